@@ -1,0 +1,165 @@
+/// Energy terms: internal forces of the surface, on jets or on tuples of nodes.
+#pragma once
+
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "deform/geometry/geometry.h"
+#include "deform/model/normal_estimator.h"
+#include "deform/plugin/descriptor.h"
+#include "deform/surface/sample_set.h"
+#include "deform/types.h"
+
+namespace deform {
+
+/// What kind of lagged (Picard) operator a term offers for linearly implicit steps.
+enum class Lagged : std::uint8_t {
+  none,         ///< none: such steps treat the term explicitly
+  symmetric,    ///< K = Kᵀ
+  unsymmetric,
+};
+
+/// What a term promises; checked by the framework's tests and by `deform plugin check`.
+struct TermTraits {
+  bool potential = false;          ///< force = −∇energy exactly, wherever the set has one consistent frame
+  Lagged lagged = Lagged::none;
+  bool semidefinite = false;       ///< the lagged operator is positive semidefinite
+  bool strong_form = false;        ///< needs samples that are the nodes, and FieldDifferences
+};
+
+/// Internal energy of the surface.
+class DEFORM_API EnergyTerm : public Plugin {
+ public:
+  static constexpr PluginKind kKind = PluginKind::energy;
+  ~EnergyTerm() override;
+  [[nodiscard]] virtual TermTraits traits() const = 0;
+};
+
+/// The operators that map stress-like vectors at samples back to forces at nodes: D_0ᵀ … D_22ᵀ, and for
+/// strong forms −D_1^- and −D_2^- (which D_1ᵀ and D_2ᵀ are in the interior).
+enum class Channel : std::uint8_t { d0, d1, d2, d11, d12, d22, minus1, minus2 };
+inline constexpr int kChannels = 8;
+[[nodiscard]] constexpr int slot(Channel m) { return static_cast<int>(m); }
+[[nodiscard]] constexpr Channel channel(Derivative d) { return static_cast<Channel>(d); }
+
+/// A pair (m, n): stress σ_m depends on D_n r.
+using Coupling = std::pair<Channel, Derivative>;
+
+/// A block of samples as a term on jets sees it.
+struct SampleBlock {
+  GeometryBlock now;     ///< the state at which the term is evaluated
+  GeometryBlock lagged;  ///< the state that lagged coefficients come from (often the same)
+  GeometryBlock rest;    ///< the rest state: G⁰ = rest.G(ij), B⁰ = rest.B(ij)
+
+  /// D^- of the term's auxiliary field f (strong form only); out has size() numbers.
+  void difference(Derivative op, int f, Values out) const {
+    differences->apply(op, auxiliary[static_cast<std::size_t>(f)], first(), out);
+  }
+
+  [[nodiscard]] Index size() const { return now.size(); }
+  [[nodiscard]] Index first() const { return now.first(); }
+
+  const FieldDifferences* differences = nullptr;
+  std::span<const ConstValues> auxiliary;  ///< whole fields (m)
+};
+
+/// Stress of a block as an affine form of the jet, σ_m = Σ_n k_mn D_n r + c_m; terms add to it.
+class DEFORM_API AffineStress {
+ public:
+  /// k_mn of the block's samples; throws Error when the term did not declare the coupling.
+  [[nodiscard]] Values k(Channel m, Derivative n) const {
+    double* values = k_[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))];
+    if (values == nullptr) undeclared(m, n);
+    return {values, size_};
+  }
+  [[nodiscard]] Values k(Derivative m, Derivative n) const { return k(channel(m), n); }
+  /// Constant part c_m.
+  [[nodiscard]] Vectors c(Channel m) const { return c_[static_cast<std::size_t>(slot(m))]; }
+  [[nodiscard]] Vectors c(Derivative m) const { return c(channel(m)); }
+
+  using CouplingTable = std::array<std::array<double*, kDerivatives>, kChannels>;
+  using ConstantTable = std::array<Vectors, kChannels>;
+  AffineStress(const CouplingTable& k, const ConstantTable& c, Index size)
+      : k_(k), c_(c), size_(static_cast<std::size_t>(size)) {}
+
+ private:
+  [[noreturn]] static void undeclared(Channel m, Derivative n);
+  CouplingTable k_;
+  ConstantTable c_;
+  std::size_t size_;
+};
+
+/// Stress vectors of a block, one a channel.
+struct Stress {
+  std::array<Vectors, kChannels> sigma;
+  [[nodiscard]] Vectors operator()(Derivative m) const {
+    return sigma[static_cast<std::size_t>(slot(m))];
+  }
+};
+
+/// An energy term that lives on jets. The force on the nodes is f = −Σ_m D_mᵀ A σ_m (A: sample weights);
+/// the framework gathers it, and the operator K = Σ_mn D_mᵀ A k_mn D_n, row by row.
+///
+/// Contract: const and thread-safe on blocks; adds to what it is given. A term offers either `affine_stress`
+/// (then `stress` follows from it) or `stress`, or neither: then the stress is a numerical derivative of
+/// the density, which the log says.
+class DEFORM_API JetTerm : public EnergyTerm {
+ public:
+  ~JetTerm() override;
+
+  [[nodiscard]] virtual SampleRole role() const { return SampleRole::bending; }
+
+  /// Adds the energy per parameter area [J/m²] at each sample.
+  virtual void energy_density(const SampleBlock& block, Values density) const = 0;
+
+  /// Adds σ_m, the derivative of the density with respect to D_m r [N/m, N]. Default: by central
+  /// differences of energy_density (relative error about 1e-9).
+  virtual void stress(const SampleBlock& block, const Stress& sigma) const;
+
+  /// The couplings that affine_stress writes; empty for terms with traits().lagged == none.
+  [[nodiscard]] virtual std::vector<Coupling> couplings() const;
+  /// Adds k_mn and c_m from block.lagged. Rule: at now == lagged, Σ k_mn D_n r + c_m is the stress.
+  virtual void affine_stress(const SampleBlock& block, const AffineStress& sigma) const;
+
+  /// Number of sample fields that `auxiliary` computes and affine_stress differences (strong form).
+  [[nodiscard]] virtual int auxiliary_fields() const { return 0; }
+  virtual void auxiliary(const SampleBlock& block, std::span<const Values> fields) const;
+
+  /// The estimator that the term uses, if any (for probes and outputs).
+  [[nodiscard]] virtual const NormalEstimator* normal() const { return nullptr; }
+};
+
+/// A block of node tuples: positions r(i, a) of the a-th node of tuple i.
+struct TupleBlock {
+  Index first = 0;
+  Index size = 0;
+  int width = 0;                          ///< nodes a tuple
+  const std::int32_t* nodes = nullptr;    ///< (size × width), row-major
+  const NodeVectors* now = nullptr;
+  const NodeVectors* lagged = nullptr;
+
+  [[nodiscard]] Index node(Index i, int a) const { return nodes[i * width + a]; }
+  [[nodiscard]] Vec3 r(Index i, int a) const { return now->row(node(i, a)); }
+  [[nodiscard]] Vec3 r_lagged(Index i, int a) const { return lagged->row(node(i, a)); }
+};
+
+/// An energy term on tuples of nodes (springs, hinges): f_a = −Σ_b k_ab r_b − c_a for each tuple.
+///
+/// Contract as JetTerm's: const, thread-safe on blocks, adds.
+class DEFORM_API TupleTerm : public EnergyTerm {
+ public:
+  ~TupleTerm() override;
+
+  /// Nodes a tuple.
+  [[nodiscard]] virtual int width() const = 0;
+  /// (T × width) node numbers, row-major; fixed for the object's life.
+  [[nodiscard]] virtual const std::vector<std::int32_t>& tuples() const = 0;
+  /// Adds the energy [J] of each tuple.
+  virtual void energy(const TupleBlock& block, Values energy) const = 0;
+  /// Adds to k (size × width × width, row-major) [N/m] and c (size × width) [N] from the lagged positions.
+  /// Rule: at now == lagged, −Σ_b k_ab r_b − c_a is the force.
+  virtual void affine_force(const TupleBlock& block, Values k, std::span<Vec3> c) const = 0;
+};
+
+}  // namespace deform

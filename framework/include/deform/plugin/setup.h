@@ -1,0 +1,69 @@
+/// What a plugin's constructor is given to look at.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deform/error.h"
+#include "deform/export.h"
+#include "deform/plugin/plugin.h"
+#include "deform/plugin/values.h"
+#include "deform/types.h"
+
+namespace deform {
+
+class Surface;
+class Geometry;
+class SampleSet;
+
+/// Mass per parameter area and damping per parameter area of (16).
+struct Material {
+  double density = 0.1;  ///< mu [kg/m²]
+  double damping = 0.0;  ///< gamma [N·s/m³]
+};
+
+/// The world at the time when a plugin object is made. Surfaces and shapes are made before there is a
+/// surface: they get a Setup without one.
+class DEFORM_API Setup {
+ public:
+  using Factory = std::function<std::shared_ptr<Plugin>(const PluginUse&, const Setup&)>;
+
+  explicit Setup(Factory factory) : factory_(std::move(factory)) {}
+
+  /// Throws Error when there is none yet (in the constructor of a surface or shape).
+  [[nodiscard]] const Surface& surface() const;
+  /// (N × 3) rest positions of this simulation [m] (mirrored in a mirrored run: not the surface's own).
+  [[nodiscard]] const NodeVectors& rest() const;
+  [[nodiscard]] const Material& material() const { return material_; }
+  /// Relative file names in a scene start from its folder.
+  [[nodiscard]] std::filesystem::path resolve(const std::filesystem::path& file) const;
+
+  /// Makes a plugin that a parameter names, e.g. setup.create<NormalEstimator>(parameters.normal).
+  template <class Interface>
+  [[nodiscard]] std::shared_ptr<Interface> create(const PluginUse& use) const {
+    auto object = std::dynamic_pointer_cast<Interface>(create_any(use));
+    if (!object) throw InputError({{use.pointer, "plugin '" + use.name + "' is of another kind"}});
+    return object;
+  }
+
+  /// The selected nodes, ascending, each once. Throws InputError when there are none.
+  [[nodiscard]] std::vector<Index> select(const NodeSelection& where) const;
+
+  Setup& with_surface(const Surface& surface, const NodeVectors& rest);
+  Setup& with_material(const Material& material);
+  Setup& with_folder(std::filesystem::path folder);
+
+ private:
+  [[nodiscard]] std::shared_ptr<Plugin> create_any(const PluginUse& use) const;
+
+  Factory factory_;
+  const Surface* surface_ = nullptr;
+  const NodeVectors* rest_ = nullptr;
+  Material material_;
+  std::filesystem::path folder_;
+};
+
+}  // namespace deform

@@ -1,0 +1,90 @@
+/// Values of parameters: what a scene says, typed; no JSON library's type crosses to a plugin.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "deform/export.h"
+#include "deform/geometry/pairs.h"
+#include "deform/plugin/kind.h"
+#include "deform/types.h"
+
+namespace deform {
+
+/// Symmetric 2 × 2 weights, one a pair ij (eta, xi of the paper).
+struct PairWeights {
+  std::array<double, 3> w{};  ///< 11, 12 (= 21), 22
+  [[nodiscard]] double operator()(Pair ij) const { return w[static_cast<std::size_t>(slot(ij))]; }
+  static constexpr PairWeights all(double value) { return {{value, value, value}}; }
+};
+
+/// A factor over time: 1 for ever unless said otherwise.
+struct DEFORM_API TimeProfile {
+  enum class Form : std::uint8_t { constant, ramp, pulse, table };
+  Form form = Form::constant;
+  /// (time [s], factor) in ascending time. constant: none, or one whose factor holds for ever; ramp: 0 before
+  /// the first, 1 after the second, linear between; pulse: 1 from the first until just before the second,
+  /// else 0; table: linear between the points, constant outside. Factors of ramp and pulse do not matter.
+  std::vector<std::pair<double, double>> points;
+
+  [[nodiscard]] double operator()(double time) const;
+};
+
+/// One way to select nodes by their parameters (a1, a2) [m].
+struct NodeSelector {
+  enum class Form : std::uint8_t { centre, box, boundary, corners, node };
+  Form form = Form::node;
+  Vec2 centre = Vec2::Zero();            ///< centre: maximum norm …
+  double radius = 0;                     ///< … at most this [m]
+  Vec2 lower = Vec2::Zero();             ///< box, closed
+  Vec2 upper = Vec2::Zero();
+  std::vector<std::string> names;        ///< boundary or corners: what the surface calls them
+  std::vector<std::int64_t> numbers;     ///< node: numbers
+};
+/// A union of selectors.
+struct NodeSelection {
+  std::vector<NodeSelector> selectors;
+};
+
+class ParameterValues;
+
+/// A plugin that a parameter names, with its parameters (already checked).
+struct PluginUse {
+  PluginKind kind = PluginKind::normal;
+  std::string name;
+  std::shared_ptr<const ParameterValues> parameters;  ///< null: all defaults
+  std::string pointer;                                ///< where the scene says so
+};
+
+using ParameterValue =
+    std::variant<bool, std::int64_t, double, std::string, Vec2, Vec3, PairWeights, std::vector<double>,
+                 std::vector<std::int64_t>, std::vector<bool>, std::vector<std::string>,
+                 std::array<std::int64_t, 2>, std::array<bool, 2>, std::vector<Vec3>, TimeProfile,
+                 NodeSelection, PluginUse, std::filesystem::path>;
+
+/// The values of one plugin's parameters, defaults filled in.
+class DEFORM_API ParameterValues {
+ public:
+  void set(const std::string& name, ParameterValue value) { values_[name] = std::move(value); }
+  [[nodiscard]] bool has(const std::string& name) const { return values_.contains(name); }
+  [[nodiscard]] const ParameterValue& at(const std::string& name) const { return values_.at(name); }
+  template <class T>
+  [[nodiscard]] const T& get(const std::string& name) const {
+    return std::get<T>(values_.at(name));
+  }
+  [[nodiscard]] const std::map<std::string, ParameterValue>& entries() const { return values_; }
+
+ private:
+  std::map<std::string, ParameterValue> values_;
+};
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace deform

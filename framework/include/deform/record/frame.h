@@ -1,0 +1,39 @@
+/// What probes and outputs see of a simulation at a recorded step.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "deform/solve/integrator.h"
+#include "deform/solve/system.h"
+
+namespace deform {
+
+struct Frame {
+  long step = 0;
+  double step_size = 0;  ///< [s]
+  const State& state;
+  System& system;        ///< geometry is up to date; the previous state's is still there
+};
+
+/// A simulation that runs beside the one that is recorded, e.g. its mirror image.
+class DEFORM_API CompanionRun {
+ public:
+  virtual ~CompanionRun();
+  virtual void step() = 0;
+  [[nodiscard]] virtual const State& state() const = 0;
+  [[nodiscard]] virtual long steps() const = 0;
+  virtual void save(Memory& memory) const = 0;
+  virtual void load(const Memory& memory) = 0;
+};
+
+/// What a probe or output may ask for when a run begins.
+struct RunContext {
+  std::filesystem::path folder;                 ///< of the run; outputs write below it
+  std::string title;
+  System& system;
+  /// Makes the same simulation mirrored at z = 0, at its initial state.
+  std::function<std::unique_ptr<CompanionRun>()> mirrored;
+};
+
+}  // namespace deform

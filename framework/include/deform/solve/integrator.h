@@ -1,0 +1,19 @@
+/// Integrators: from one recorded time to the next.
+#pragma once
+
+#include "deform/plugin/descriptor.h"
+#include "deform/solve/system.h"
+
+namespace deform {
+
+/// Advances a state. The scene's `step` [s] is read by the framework for every integrator.
+class DEFORM_API Integrator : public Plugin {
+ public:
+  static constexpr PluginKind kKind = PluginKind::integrator;
+  ~Integrator() override;
+  /// Advances r, v and time by exactly `step` seconds, in as many substeps as it likes; prescribed components
+  /// end where the constraints say.
+  virtual void advance(System& system, State& state, double step) = 0;
+};
+
+}  // namespace deform

@@ -1,0 +1,126 @@
+/// The discretised equation of motion (16) as an integrator sees it: forces, lagged operator, linear solves.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deform/export.h"
+#include "deform/geometry/geometry.h"
+#include "deform/model/constraint.h"
+#include "deform/model/energy_term.h"
+#include "deform/model/force_field.h"
+#include "deform/solve/linear_solver.h"
+#include "deform/surface/surface.h"
+#include "deform/types.h"
+
+namespace deform {
+
+/// Positions [m], velocities [m/s] (both N × 3), and time [s].
+struct State {
+  NodeVectors r;
+  NodeVectors v;
+  double time = 0;
+};
+
+/// A plugin object with the name it goes by in messages, columns and files ("bending", "bending_2").
+template <class Interface>
+struct Named {
+  std::string name;
+  std::string origin;  ///< plugin and file, for messages
+  std::shared_ptr<Interface> object;
+};
+
+/// The parts of a model, ready to be assembled into a System.
+struct ModelParts {
+  std::shared_ptr<const Surface> surface;
+  NodeVectors rest;  ///< (N × 3) [m]
+  NodeValues mass;     ///< (N) mu A [kg]
+  NodeValues damping;  ///< (N) gamma A [N·s/m]
+  std::vector<Named<EnergyTerm>> energies;
+  std::vector<Named<ForceField>> forces;
+  std::vector<Named<Constraint>> constraints;
+  /// Makes a fresh object of each solver to choose from (one, where the scene names it). Components that
+  /// different constraints hold need a matrix, and so a solver, each.
+  std::function<std::vector<Named<LinearSolver>>()> make_solvers;
+  /// Mirrored at z = 0: forces and constraints are those of the unmirrored world, reflected.
+  bool mirrored = false;
+};
+
+/// Seconds spent, by part of a step.
+struct StepTimes {
+  double geometry = 0, assembly = 0, factorisation = 0, solve = 0, output = 0;
+  long steps = 0;
+};
+
+/// Everything that an integrator needs of the model. All results have the same bits at any number of threads.
+class DEFORM_API System {
+ public:
+  explicit System(ModelParts parts);
+  ~System();
+  System(const System&) = delete;
+  System& operator=(const System&) = delete;
+
+  [[nodiscard]] Index nodes() const;
+  [[nodiscard]] const Surface& surface() const;
+  [[nodiscard]] const NodeVectors& rest() const;
+  [[nodiscard]] const NodeValues& mass() const;
+  [[nodiscard]] const NodeValues& damping() const;
+  [[nodiscard]] const Reduction& reduction() const;
+  [[nodiscard]] const std::vector<Named<EnergyTerm>>& energies() const;
+
+  /// Says that a step starts here: `previous_geometry` is that of this state until the next call.
+  void begin_step(const State& state);
+  /// Makes `geometry` that of a state; computes it unless it is known (same positions).
+  void update_geometry(const State& state);
+  /// Geometry of the last updated state, of the state at which the last step began, and of the rest state.
+  [[nodiscard]] const Geometry& geometry(const SampleSet& samples) const;
+  [[nodiscard]] const Geometry& previous_geometry(const SampleSet& samples) const;
+  [[nodiscard]] const Geometry& rest_geometry(const SampleSet& samples) const;
+
+  /// Evaluates all forces at a state, coefficients lagged at the same state.
+  void evaluate(const State& state);
+  /// The same, and the lagged operator K with f(r) = c − K r at this state.
+  void evaluate_with_operator(const State& state);
+  /// (N × 3) internal plus external forces of the last evaluation [N].
+  [[nodiscard]] const NodeVectors& force() const;
+  /// (N) −∂f/∂v of force fields with an isotropic tangent, of the last evaluate_with_operator [N·s/m].
+  [[nodiscard]] const NodeValues& force_damping() const;
+  /// The lagged operator K (N × N, shared by x, y, z) of the last evaluate_with_operator.
+  [[nodiscard]] const SparseMatrix& lagged_operator() const;
+
+  /// Solves (K + diag(d)) x = b on the free degrees of freedom; prescribed entries of x (N × 3) are given.
+  /// Throws Error with ExitCode::diverged and each solver's reason when none can.
+  void solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x);
+  /// Writes the prescribed components [m] at a time; leaves the others alone.
+  void prescribe(double time, NodeVectors& r) const;
+
+  /// Energy of one term at a state [J] (coefficients lagged at the same state).
+  [[nodiscard]] double energy(std::size_t term, const State& state);
+  /// Energy per parameter area [J/m²] at the samples of a JetTerm's set, at the updated geometry.
+  [[nodiscard]] std::vector<double> energy_density(std::size_t term) const;
+  /// Potential energy of the force fields that have one [J].
+  [[nodiscard]] double external_potential(const State& state);
+  /// Forces of one energy term or of all force fields at a state (N × 3) [N].
+  [[nodiscard]] NodeVectors internal_force(std::size_t term, const State& state);
+  [[nodiscard]] NodeVectors external_force(const State& state);
+  /// K of one energy term alone at a state, and its constant part c: f = c − K r. For checks.
+  struct LaggedForce {
+    SparseMatrix k;
+    NodeVectors c;
+  };
+  [[nodiscard]] LaggedForce lagged_force(std::size_t term, const State& state);
+  /// Name of the term (or "external forces") with the largest, or first not finite, force at a node.
+  [[nodiscard]] std::string largest_force_at(Index node, const State& state);
+
+  [[nodiscard]] StepTimes& times();
+  /// Why the solver in use is the one in use.
+  [[nodiscard]] const std::string& solver_choice() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace deform

@@ -1,0 +1,49 @@
+/// A discretised surface: nodes, faces, selections, and the sample sets with their difference operators.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "deform/plugin/descriptor.h"
+#include "deform/surface/sample_set.h"
+#include "deform/types.h"
+
+namespace deform {
+
+/// Polygons over the nodes, counter-clockwise seen from where n points.
+struct Faces {
+  std::vector<std::int32_t> nodes;        ///< all polygons' nodes, one after another
+  std::vector<std::int32_t> begin{0};     ///< polygon f: nodes[begin[f]] … nodes[begin[f+1]−1]
+  [[nodiscard]] Index size() const { return static_cast<Index>(begin.size()) - 1; }
+};
+
+/// Owns the discretisation; nothing outside it sees how its nodes are arranged.
+class DEFORM_API Surface : public Plugin {
+ public:
+  static constexpr PluginKind kKind = PluginKind::surface;
+  ~Surface() override;
+
+  [[nodiscard]] virtual Index nodes() const = 0;
+  /// (N × 2) parameters (a1, a2) of the nodes [m].
+  [[nodiscard]] virtual const Eigen::MatrixX2d& parameters() const = 0;
+  /// (N) parameter area of each node [m²].
+  [[nodiscard]] virtual const NodeValues& areas() const = 0;
+  /// (N × 3) rest and initial positions [m].
+  [[nodiscard]] virtual const NodeVectors& rest() const = 0;
+  [[nodiscard]] virtual const NodeVectors& initial() const = 0;
+  [[nodiscard]] virtual const Faces& faces() const = 0;
+  /// The set that terms of a role live on; roles may share one (same address).
+  [[nodiscard]] virtual const SampleSet& samples(SampleRole role) const = 0;
+  /// Names of the parts of the boundary ("left", …), and of the corners; "all" is understood everywhere.
+  [[nodiscard]] virtual std::vector<std::string> boundary_names() const = 0;
+  [[nodiscard]] virtual std::vector<std::string> corner_names() const = 0;
+  /// Nodes of a part of the boundary or of a corner, ascending; empty for a name that is not one.
+  [[nodiscard]] virtual std::vector<Index> boundary(const std::string& name) const = 0;
+  [[nodiscard]] virtual std::vector<Index> corner(const std::string& name) const = 0;
+};
+
+/// Nodes that a selection takes, ascending, each once; throws InputError when none, or a name is unknown.
+[[nodiscard]] DEFORM_API std::vector<Index> select_nodes(const Surface& surface,
+                                                         const NodeSelection& where);
+
+}  // namespace deform

@@ -1,0 +1,22 @@
+/// Geometry of a single sample from its jet; the one place where (3), (6), (8), (13) and (15) stand.
+#pragma once
+
+#include <array>
+
+#include "deform/geometry/geometry.h"
+
+namespace deform {
+
+/// One sample's jet and normal.
+struct SampleGeometry {
+  std::array<Vec3, 5> jet;  ///< r_1, r_2, r_11, r_12, r_22
+  Vec3 n = Vec3::Zero();
+};
+
+/// r_1×r_2/|r_1×r_2| (6), zero where the tangents are parallel.
+[[nodiscard]] Vec3 unit_normal(const Vec3& r_1, const Vec3& r_2);
+
+/// Writes all fields of sample s into storage of GeometryBlock's layout.
+void write_sample(double* data, Index stride, Index s, const SampleGeometry& g);
+
+}  // namespace deform

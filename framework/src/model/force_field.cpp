@@ -1,0 +1,24 @@
+#include "deform/model/force_field.h"
+
+#include "deform/error.h"
+
+namespace deform {
+
+ForceField::~ForceField() = default;
+
+// Without the trait there is nothing to add; with it, silence would be a wrong result.
+
+void ForceField::add_tangent(const NodeBlock& /*nodes*/, Values /*stiffness*/,
+                             Values /*damping*/) const {
+  if (traits().isotropic_tangent) {
+    throw PluginFailure("a force field declares isotropic_tangent without add_tangent");
+  }
+}
+
+void ForceField::add_potential(const NodeBlock& /*nodes*/, Values /*energy*/) const {
+  if (traits().potential) {
+    throw PluginFailure("a force field declares potential without add_potential");
+  }
+}
+
+}  // namespace deform

@@ -1,0 +1,39 @@
+#include "deform/plugin/registry.h"
+
+#include "plugin/fields_of.h"
+
+namespace deform {
+namespace {
+
+struct IntegratorCommon {
+  double step = 0;
+  static void declare(Declaration<IntegratorCommon>& d) {
+    d("step", &IntegratorCommon::step, "s", "time from one state to the next").required().above(0);
+  }
+};
+
+struct RecorderCommon {
+  std::int64_t every = 1;
+  static void declare(Declaration<RecorderCommon>& d) {
+    d("every", &RecorderCommon::every, "steps", "how often it is due").at_least(1);
+  }
+};
+
+}  // namespace
+
+const ParameterFields& common_fields(PluginKind kind) {
+  static const ParameterFields none;
+  static const ParameterFields integrator = fields_of<IntegratorCommon>();
+  static const ParameterFields recorder = fields_of<RecorderCommon>();
+  switch (kind) {
+    case PluginKind::integrator:
+      return integrator;
+    case PluginKind::output:
+    case PluginKind::probe:
+      return recorder;
+    default:
+      return none;
+  }
+}
+
+}  // namespace deform

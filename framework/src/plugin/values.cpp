@@ -1,0 +1,41 @@
+#include "deform/plugin/values.h"
+
+#include <algorithm>
+
+namespace deform {
+namespace {
+
+using Point = std::pair<double, double>;
+
+/// Factor on the line through two points, a's time before b's.
+double between(const Point& a, const Point& b, double time) {
+  const double s = (time - a.first) / (b.first - a.first);
+  return (1 - s) * a.second + s * b.second;
+}
+
+double interpolate(const std::vector<Point>& points, double time) {
+  if (time <= points.front().first) return points.front().second;
+  if (time >= points.back().first) return points.back().second;
+  const auto next = std::upper_bound(points.begin(), points.end(), time,
+                                     [](double t, const Point& p) { return t < p.first; });
+  return between(*(next - 1), *next, time);
+}
+
+}  // namespace
+
+double TimeProfile::operator()(double time) const {
+  if (points.empty()) return 1;
+  switch (form) {
+    case Form::constant:
+      return points.front().second;
+    case Form::ramp:
+      return std::clamp(between({points[0].first, 0}, {points[1].first, 1}, time), 0.0, 1.0);
+    case Form::pulse:
+      return time >= points[0].first && time < points[1].first ? 1 : 0;
+    case Form::table:
+      return interpolate(points, time);
+  }
+  return 1;
+}
+
+}  // namespace deform

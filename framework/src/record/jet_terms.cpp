@@ -1,0 +1,40 @@
+#include "deform/record/jet_terms.h"
+
+#include <algorithm>
+
+namespace deform {
+
+std::vector<JetTermUse> jet_terms(const System& system) {
+  std::vector<JetTermUse> uses;
+  const auto& energies = system.energies();
+  for (std::size_t number = 0; number < energies.size(); ++number) {
+    const auto* term = dynamic_cast<const JetTerm*>(energies[number].object.get());
+    if (term == nullptr) continue;
+    uses.push_back({number, energies[number].name, term, &system.surface().samples(term->role())});
+  }
+  return uses;
+}
+
+std::vector<JetTermUse> terms_with_normal(const System& system) {
+  std::vector<JetTermUse> uses = jet_terms(system);
+  std::erase_if(uses, [](const JetTermUse& use) { return use.term->normal() == nullptr; });
+  return uses;
+}
+
+void estimate_normals(const JetTermUse& use, const Geometry& lagged, const Geometry& now, Pair ij,
+                      NodeVectors& normals) {
+  const Index m = use.samples->size();
+  normals.setZero(m, 3);
+  for (Index first = 0; first < m; first += kBlock) {
+    const Index size = std::min(kBlock, m - first);
+    AffineNormal estimate;
+    use.term->normal()->estimate(lagged.block(first, size), ij, estimate);
+    const GeometryBlock jets = now.block(first, size);
+    for (Index i = 0; i < size; ++i) {
+      if (!use.samples->computable(second(ij), first + i)) continue;
+      normals.row(first + i) = estimate.at(i, jets, ij);
+    }
+  }
+}
+
+}  // namespace deform

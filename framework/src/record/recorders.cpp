@@ -1,0 +1,14 @@
+#include "deform/record/frame.h"
+#include "deform/record/output.h"
+#include "deform/record/probe.h"
+
+namespace deform {
+
+CompanionRun::~CompanionRun() = default;
+Output::~Output() = default;
+Probe::~Probe() = default;
+
+void Probe::begin(const RunContext& /*context*/) {}
+void Probe::follow(const Frame& /*frame*/) {}
+
+}  // namespace deform

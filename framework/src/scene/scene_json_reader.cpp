@@ -1,0 +1,180 @@
+#include "scene/scene_json_reader.h"
+
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "scene/json_pointer.h"
+#include "scene/scene_rules.h"
+#include "scene/value_json.h"
+#include "scene/value_reader.h"
+
+namespace deform {
+namespace {
+
+using Form = SceneSection::Form;
+
+/// More steps than this no computer takes; it also keeps the count within its type.
+constexpr double kMostSteps = 1e15;
+
+/// Reads the sections of a scene one by one, then makes the scene of them.
+class SectionReader {
+ public:
+  SectionReader(Json& json, const PluginRegistry& registry, const std::filesystem::path& folder,
+                SceneProblems& problems)
+      : json_(json), problems_(problems), reader_(registry, folder, problems) {}
+
+  Scene read() {
+    std::vector<std::string> keys;
+    for (const SceneSection& section : scene_sections()) {
+      if (section.form != Form::reserved) keys.push_back(section.key);
+    }
+    note_reserved(keys);
+    note_unknown_keys(json_, keys, "", "a scene", problems_);
+    for (const SceneSection& section : scene_sections()) read(section);
+    check_duration();
+    return problems_.empty() ? scene() : Scene{};
+  }
+
+ private:
+  /// A key that is reserved counts as known, and is a problem of its own.
+  void note_reserved(std::vector<std::string>& known) {
+    for (const SceneSection& section : scene_sections()) {
+      if (section.form != Form::reserved || !json_.contains(section.key)) continue;
+      problems_.add_at_key('/' + section.key, "this version has no " + section.key + " yet");
+      known.push_back(section.key);
+    }
+  }
+
+  void read(const SceneSection& section) {
+    switch (section.form) {
+      case Form::note:
+        return read_note(section);
+      case Form::value:
+        return reader_.member(json_, section.fields.front(), "", values_);
+      case Form::object:
+        return read_object(section);
+      case Form::plugin:
+        return read_plugin(section);
+      case Form::plugins:
+        return read_plugins(section);
+      case Form::variants:
+        json_.erase(section.key);
+        return;
+      case Form::reserved:
+        return;
+    }
+  }
+
+  void read_note(const SceneSection& section) {
+    const auto found = json_.find(section.key);
+    if (found == json_.end()) return;
+    if (!found->is_string()) {
+      problems_.add('/' + section.key, "found " + shown(*found) + ", expected text");
+    }
+    // It may be a path that starts from the scene's folder; the completed scene lies elsewhere.
+    json_.erase(section.key);
+  }
+
+  void read_object(const SceneSection& section) {
+    const std::string pointer = '/' + section.key;
+    if (!json_.contains(section.key)) json_[section.key] = Json::object();
+    Json& object = json_[section.key];
+    if (!object.is_object()) {
+      problems_.add(pointer, "found " + shown(object) + ", expected an object");
+      return;
+    }
+    objects_[section.key] = reader_.members(object, section.fields, pointer, section.key);
+  }
+
+  void read_plugin(const SceneSection& section) {
+    const auto found = json_.find(section.key);
+    if (found != json_.end()) {
+      uses_[section.key] = {reader_.plugin(*found, section.kind, '/' + section.key)};
+    } else if (section.required) {
+      problems_.add("", shown(section.key) + " is missing: the plugin to use");
+    }
+  }
+
+  void read_plugins(const SceneSection& section) {
+    const std::string pointer = '/' + section.key;
+    if (!json_.contains(section.key)) json_[section.key] = Json::array();
+    Json& array = json_[section.key];
+    if (!array.is_array()) {
+      problems_.add(pointer, "found " + shown(array) + ", expected a list of " +
+                                 std::string(name_of(section.kind)) + " plugins");
+      return;
+    }
+    auto& uses = uses_[section.key];
+    for (std::size_t i = 0; i < array.size(); ++i) {
+      uses.push_back(reader_.plugin(array[i], section.kind, child_pointer(pointer, i)));
+    }
+  }
+
+  void check_duration() {
+    const auto& integrator = uses_["integrator"];
+    const bool has_step = !integrator.empty() && integrator.front().parameters != nullptr &&
+                          integrator.front().parameters->has("step");
+    if (!has_step || !values_.has("duration")) return;
+    const double step = integrator.front().parameters->get<double>("step");
+    const double steps = values_.get<double>("duration") / step;
+    if (std::round(steps) < 1) {
+      problems_.add("/duration", "found " + shown(json_["duration"]) +
+                                     ", expected at least one step, which is " + shown(step) +
+                                     " [s]");
+    } else if (steps > kMostSteps) {
+      problems_.add("/duration", "found " + shown(json_["duration"]) + ", which is more than " +
+                                     shown(kMostSteps) + " steps of " + shown(step) + " [s]");
+    }
+  }
+
+  std::vector<RecorderUse> recorders(const std::string& key) {
+    std::vector<RecorderUse> recorders;
+    for (PluginUse& use : uses_[key]) {
+      const auto every = use.parameters->get<std::int64_t>("every");
+      recorders.push_back({std::move(use), every});
+    }
+    return recorders;
+  }
+
+  Scene scene() {
+    Scene scene;
+    scene.title = values_.get<std::string>("title");
+    scene.surface = uses_["surface"].front();
+    scene.material = {objects_["material"].get<double>("density"),
+                      objects_["material"].get<double>("damping")};
+    scene.energies = uses_["energies"];
+    scene.forces = uses_["forces"];
+    scene.constraints = uses_["constraints"];
+    scene.integrator = uses_["integrator"].front();
+    scene.step = scene.integrator.parameters->get<double>("step");
+    scene.duration = values_.get<double>("duration");
+    if (const auto& solver = uses_["solver"]; !solver.empty()) scene.solver = solver.front();
+    scene.outputs = recorders("outputs");
+    scene.probes = recorders("probes");
+    scene.velocity = values_.get<Vec3>("velocity");
+    scene.max_distance = objects_["limits"].get<double>("distance");
+    scene.completed = json_.dump(2) + '\n';
+    return scene;
+  }
+
+  Json& json_;
+  SceneProblems& problems_;
+  ValueReader reader_;
+  ParameterValues values_;
+  std::map<std::string, ParameterValues> objects_;
+  std::map<std::string, std::vector<PluginUse>> uses_;
+};
+
+}  // namespace
+
+Scene read_scene_json(Json& json, const PluginRegistry& registry,
+                      const std::filesystem::path& folder, SceneProblems& problems) {
+  if (!json.is_object()) {
+    problems.add("", "found " + shown(json) + ", expected a scene, which is an object");
+    return {};
+  }
+  return SectionReader(json, registry, folder, problems).read();
+}
+
+}  // namespace deform

@@ -1,0 +1,99 @@
+#include "scene/scene_rules.h"
+
+#include "deform/plugin/setup.h"
+#include "deform/simulation/scene.h"
+
+#include "plugin/fields_of.h"
+
+namespace deform {
+namespace {
+
+using Form = SceneSection::Form;
+
+struct Title {
+  std::string title;
+  static void declare(Declaration<Title>& d) {
+    d("title", &Title::title, "", "what the scene is, in a line");
+  }
+};
+
+struct Duration {
+  double duration = 0;
+  static void declare(Declaration<Duration>& d) {
+    d("duration", &Duration::duration, "s", "simulated time, at least one step")
+        .required()
+        .above(0);
+  }
+};
+
+struct Velocity {
+  Vec3 velocity = Vec3::Zero();
+  static void declare(Declaration<Velocity>& d) {
+    d("velocity", &Velocity::velocity, "m/s", "of every free node at first");
+  }
+};
+
+struct MaterialRules {
+  double density = Material{}.density;
+  double damping = Material{}.damping;
+  static void declare(Declaration<MaterialRules>& d) {
+    d("density", &MaterialRules::density, "kg/m²", "mu of (16), mass per parameter area").above(0);
+    d("damping", &MaterialRules::damping, "N·s/m³", "gamma of (16), damping per parameter area")
+        .at_least(0);
+  }
+};
+
+struct Limits {
+  double distance = Scene{}.max_distance;
+  static void declare(Declaration<Limits>& d) {
+    d("distance", &Limits::distance, "sizes of the surface",
+      "a node farther than this from the rest state's centre means divergence")
+        .above(0);
+  }
+};
+
+SceneSection value(ParameterFields fields) {
+  const std::string key = fields.front().name;
+  return {key, Form::value, {}, fields.front().required, std::move(fields)};
+}
+
+SceneSection object(const std::string& key, ParameterFields fields) {
+  return {key, Form::object, {}, false, std::move(fields)};
+}
+
+SceneSection plugin(PluginKind kind, bool required) {
+  return {std::string(name_of(kind)), Form::plugin, kind, required, {}};
+}
+
+SceneSection plugins(const std::string& key, PluginKind kind) {
+  return {key, Form::plugins, kind, false, {}};
+}
+
+SceneSection other(const std::string& key, Form form) { return {key, form, {}, false, {}}; }
+
+}  // namespace
+
+const std::vector<SceneSection>& scene_sections() {
+  static const std::vector<SceneSection> sections{
+      other("$schema", Form::note),
+      value(fields_of<Title>()),
+      plugin(PluginKind::surface, true),
+      object("material", fields_of<MaterialRules>()),
+      plugins("energies", PluginKind::energy),
+      plugins("forces", PluginKind::force),
+      plugins("constraints", PluginKind::constraint),
+      other("colliders", Form::reserved),
+      value(fields_of<Velocity>()),
+      plugin(PluginKind::integrator, true),
+      value(fields_of<Duration>()),
+      plugin(PluginKind::solver, false),
+      object("limits", fields_of<Limits>()),
+      plugins("outputs", PluginKind::output),
+      plugins("probes", PluginKind::probe),
+      other("shadow", Form::reserved),
+      other("variants", Form::variants),
+  };
+  return sections;
+}
+
+}  // namespace deform

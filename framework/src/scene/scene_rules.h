@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "deform/plugin/declaration.h"
+
+namespace deform {
+
+/// What stands at a key of a scene, and the rules for it.
+struct SceneSection {
+  enum class Form {
+    note,      ///< text for programs that edit scenes; not kept
+    value,     ///< one value, by the only field
+    object,    ///< an object with the fields
+    plugin,    ///< a plugin of the kind
+    plugins,   ///< an array of plugins of the kind
+    variants,  ///< names of variants, and what they replace
+    reserved,  ///< nothing yet
+  };
+  std::string key;
+  Form form;
+  PluginKind kind{};       ///< of plugin and plugins
+  bool required = false;   ///< of plugin; a value's field says it itself
+  ParameterFields fields;  ///< of value and object
+};
+
+/// All keys of a scene, in the order in which a completed scene has them. The only place that says
+/// which there are.
+const std::vector<SceneSection>& scene_sections();
+
+}  // namespace deform

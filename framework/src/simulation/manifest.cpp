@@ -1,0 +1,111 @@
+#include "simulation/manifest.h"
+
+#include <array>
+#include <ctime>
+#include <string>
+#include <thread>
+#include <unistd.h>
+
+#include <Eigen/Core>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include "deform/version.h"
+
+#include "simulation/files.h"
+#include "simulation/plugins_used.h"
+#include "simulation/sha256.h"
+
+namespace deform {
+namespace {
+
+std::string utc_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+Json versions() {
+  return {{"compiler", fmt::format("{} {}",
+#if defined(__clang__)
+                                   "clang++",
+#else
+                                   "g++",
+#endif
+                                   __VERSION__)},
+          {"eigen",
+           fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)}};
+}
+
+Json describe(const LoadedPlugin& plugin) {
+  return {{"kind", name_of(plugin.file().kind)},
+          {"name", plugin.file().name},
+          {"version", plugin.descriptor().text.version},
+          {"file", plugin.file().path.string()},
+          {"sha256", sha256_of_file(plugin.file().path)}};
+}
+
+}  // namespace
+
+const char* status_of(ExitCode code) {
+  switch (code) {
+    case ExitCode::done:
+      return "done";
+    case ExitCode::diverged:
+      return "diverged";
+    case ExitCode::plugin_failed:
+      return "plugin failed";
+    case ExitCode::interrupted:
+      return "interrupted";
+    default:
+      return "failed";
+  }
+}
+
+Manifest::Manifest(const Scene& scene, const PluginRegistry& registry, const RunOptions& options) {
+  // "program" is what makes the folder known as one of deform's: has_manifest().
+  json_["program"] = "deform";
+  json_["version"] = version();
+  json_["status"] = "running";
+  json_["exit_code"] = nullptr;
+  json_["reason"] = "";
+  json_["title"] = scene.title;
+  json_["scene"] = std::filesystem::absolute(scene.file).string();
+  json_["command_line"] = options.command_line;
+  json_["started"] = utc_now();
+  json_["host"] = host_name();
+  json_["cpus"] = std::thread::hardware_concurrency();
+  json_["threads"] = tbb::this_task_arena::max_concurrency();
+  json_["built_with"] = versions();
+  json_["plugins"] = Json::array();
+  for (const LoadedPlugin* plugin : plugins_used(scene, registry)) {
+    json_["plugins"].push_back(describe(*plugin));
+  }
+}
+
+void Manifest::finish(const RunResult& result, const std::string& solver_choice) {
+  json_["status"] = status_of(result.code);
+  json_["exit_code"] = static_cast<int>(result.code);
+  json_["reason"] = result.reason;
+  json_["solver"] = solver_choice;
+  json_["steps"] = result.steps;
+  json_["wall_seconds"] = result.wall_seconds;
+  const StepTimes& t = result.times;
+  json_["seconds"] = {{"geometry", t.geometry},
+                      {"assembly", t.assembly},
+                      {"factorisation", t.factorisation},
+                      {"solve", t.solve},
+                      {"output", t.output}};
+}
+
+void Manifest::write(const std::filesystem::path& folder) const {
+  // A host or file name need not be UTF-8.
+  write_atomically(folder / "manifest.json",
+                   json_.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+}
+
+}  // namespace deform

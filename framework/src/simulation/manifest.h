@@ -1,0 +1,28 @@
+/// manifest.json: what a run was made with, and how it ended.
+#pragma once
+
+#include <filesystem>
+
+#include "deform/simulation/run.h"
+
+#include "scene/json.h"
+
+namespace deform {
+
+/// "done", "diverged", "plugin failed", "interrupted" or "failed".
+[[nodiscard]] const char* status_of(ExitCode code);
+
+/// Written when a run starts, with the status "running", and again when it ends.
+class Manifest {
+ public:
+  Manifest(const Scene& scene, const PluginRegistry& registry, const RunOptions& options);
+
+  void finish(const RunResult& result, const std::string& solver_choice);
+  /// Throws Error when it cannot be written.
+  void write(const std::filesystem::path& folder) const;
+
+ private:
+  Json json_;
+};
+
+}  // namespace deform

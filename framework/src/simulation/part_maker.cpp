@@ -1,0 +1,42 @@
+#include "simulation/part_maker.h"
+
+#include <utility>
+
+namespace deform {
+
+PartMaker::PartMaker(const Scene& scene, std::shared_ptr<const PluginRegistry> registry)
+    : scene_(scene), registry_(std::move(registry)) {}
+
+Setup PartMaker::setup() const {
+  Setup setup([registry = registry_](const PluginUse& use, const Setup& inner) {
+    return registry->create(use, inner);
+  });
+  setup.with_material(scene_.material)
+      .with_folder(std::filesystem::absolute(scene_.file).parent_path());
+  return setup;
+}
+
+Setup PartMaker::setup(const Surface& surface, const NodeVectors& rest) const {
+  Setup complete = setup();
+  complete.with_surface(surface, rest);
+  return complete;
+}
+
+void PartMaker::add(const std::vector<Problem>& problems) {
+  problems_.insert(problems_.end(), problems.begin(), problems.end());
+}
+
+void PartMaker::throw_problems() const {
+  if (!problems_.empty()) throw InputError(problems_);
+}
+
+std::string PartMaker::unique_name(PluginKind kind, const std::string& name) {
+  std::set<std::string>& taken = names_[kind];
+  std::string unique = name;
+  for (int number = 2; !taken.insert(unique).second; ++number) {
+    unique = fmt::format("{}_{}", name, number);
+  }
+  return unique;
+}
+
+}  // namespace deform

@@ -1,0 +1,126 @@
+#include "simulation/recorders.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "plugin/guard.h"
+
+namespace deform {
+
+ProbeRecorder::ProbeRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker,
+                             const Setup& setup) {
+  for (const RecorderUse& use : uses) {
+    if (auto probe = maker.make<Probe>(use.use, setup)) {
+      probes_.push_back({std::move(*probe), use.every, use.use.pointer});
+    }
+  }
+}
+
+void ProbeRecorder::begin(const RunContext& context) {
+  std::vector<Problem> problems;
+  for (Entry& entry : probes_) {
+    guarded(entry.probe.origin, "beginning", [&] {
+      try {
+        entry.probe.object->begin(context);
+        const std::vector<ProbeColumn> columns = entry.probe.object->columns();
+        entry.first = columns_.size();
+        entry.size = columns.size();
+        columns_.insert(columns_.end(), columns.begin(), columns.end());
+      } catch (const InputError& e) {
+        for (const Problem& problem : e.problems()) {
+          problems.push_back({entry.pointer, entry.probe.name + ": " + problem.message});
+        }
+      }
+    });
+  }
+  if (!problems.empty()) throw InputError(problems);
+  columns_ = with_unique_names(std::move(columns_));
+  summaries_.resize(columns_.size());
+  row_.resize(columns_.size());
+}
+
+void ProbeRecorder::open(const std::filesystem::path& file) {
+  table_ = std::make_unique<ProbeTable>(file, columns_);
+}
+
+void ProbeRecorder::follow(const Frame& frame) {
+  for (const Entry& entry : probes_) {
+    guarded(entry.probe.origin, "following a step", [&] { entry.probe.object->follow(frame); });
+  }
+}
+
+void ProbeRecorder::measure(const Entry& entry, const Frame& frame) {
+  const Values figures = std::span(row_).subspan(entry.first, entry.size);
+  guarded(entry.probe.origin, "measuring", [&] { entry.probe.object->measure(frame, figures); });
+  for (std::size_t i = entry.first; i < entry.first + entry.size; ++i) {
+    if (std::isinf(row_[i])) {
+      throw PluginFailure(fmt::format("plugin {} measured an infinite {} at step {}",
+                                      entry.probe.origin, columns_[i].name, frame.step));
+    }
+    summaries_[i].add(row_[i]);
+  }
+}
+
+bool ProbeRecorder::due(long step) const {
+  return std::any_of(probes_.begin(), probes_.end(),
+                     [step](const Entry& entry) { return step % entry.every == 0; });
+}
+
+void ProbeRecorder::record(const Frame& frame, bool all) {
+  if (frame.step == last_row_ || !(all || frame.step == 0 || due(frame.step))) return;
+  std::fill(row_.begin(), row_.end(), kNoFigure);
+  for (const Entry& entry : probes_) {
+    if (all || frame.step % entry.every == 0) measure(entry, frame);
+  }
+  table_->append(frame.step, frame.state.time, row_);
+  last_row_ = frame.step;
+}
+
+OutputRecorder::OutputRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker,
+                               const Setup& setup) {
+  for (const RecorderUse& use : uses) {
+    if (auto output = maker.make<Output>(use.use, setup)) {
+      outputs_.push_back({std::move(*output), use.every});
+    }
+  }
+}
+
+void OutputRecorder::begin(const RunContext& context) {
+  for (const Entry& entry : outputs_) {
+    ++begun_;  // one that fails on the way may have files open
+    guarded(entry.output.origin, "beginning", [&] { entry.output.object->begin(context); });
+  }
+}
+
+bool OutputRecorder::due(long step) const {
+  return std::any_of(outputs_.begin(), outputs_.end(),
+                     [step](const Entry& entry) { return step % entry.every == 0; });
+}
+
+void OutputRecorder::record(const Frame& frame, bool all) {
+  for (Entry& entry : outputs_) {
+    if (frame.step == entry.last || !(all || frame.step % entry.every == 0)) continue;
+    guarded(entry.output.origin, "writing", [&] { entry.output.object->write(frame); });
+    entry.last = frame.step;
+  }
+}
+
+void OutputRecorder::end() {
+  std::exception_ptr first;
+  for (std::size_t i = 0; i < std::exchange(begun_, 0); ++i) {
+    const Entry& entry = outputs_[i];
+    try {
+      guarded(entry.output.origin, "ending", [&] { entry.output.object->end(); });
+    } catch (const Error&) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
+}
+
+}  // namespace deform

@@ -1,0 +1,78 @@
+/// The probes and outputs of a run.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deform/record/output.h"
+#include "deform/record/probe.h"
+
+#include "simulation/part_maker.h"
+#include "simulation/probe_table.h"
+
+namespace deform {
+
+/// Measures a scene's probes and writes their figures to probes.csv. Everything that a probe throws
+/// is reported with its name, as a PluginFailure.
+class ProbeRecorder {
+ public:
+  /// Makes the probes; problems are left with the maker.
+  ProbeRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker, const Setup& setup);
+
+  /// Begins the probes, whose columns are known then. Throws InputError for what a probe rejects.
+  void begin(const RunContext& context);
+  /// Starts the file.
+  void open(const std::filesystem::path& file);
+  /// To be called after every step.
+  void follow(const Frame& frame);
+  [[nodiscard]] bool due(long step) const;
+  /// Writes a row with the figures that are due at this step, or all; no row when none is due, or
+  /// when the step has one already.
+  void record(const Frame& frame, bool all);
+
+  [[nodiscard]] bool none() const { return probes_.empty(); }
+  [[nodiscard]] const std::vector<ProbeColumn>& columns() const { return columns_; }
+  /// One a column.
+  [[nodiscard]] const std::vector<ColumnSummary>& summaries() const { return summaries_; }
+
+ private:
+  struct Entry {
+    Named<Probe> probe;
+    long every = 1;
+    std::string pointer;
+    std::size_t first = 0, size = 0;  // its columns
+  };
+  void measure(const Entry& entry, const Frame& frame);
+
+  std::vector<Entry> probes_;
+  std::vector<ProbeColumn> columns_;
+  std::vector<ColumnSummary> summaries_;
+  std::vector<double> row_;
+  long last_row_ = -1;  // step
+  std::unique_ptr<ProbeTable> table_;
+};
+
+/// Hands frames to a scene's outputs.
+class OutputRecorder {
+ public:
+  OutputRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker, const Setup& setup);
+  void begin(const RunContext& context);
+  /// Writes the outputs that are due at this step, or all; none twice at a step.
+  void record(const Frame& frame, bool all);
+  [[nodiscard]] bool due(long step) const;
+  /// Ends every output that was begun, even where another one fails; then throws the first failure.
+  void end();
+
+ private:
+  struct Entry {
+    Named<Output> output;
+    long every = 1;
+    long last = -1;  // step written
+  };
+  std::vector<Entry> outputs_;
+  std::size_t begun_ = 0;
+};
+
+}  // namespace deform

@@ -1,0 +1,19 @@
+/// The folder that a run is recorded in.
+#pragma once
+
+#include <filesystem>
+
+namespace deform {
+
+/// Throws InputError when a run must not be recorded there: something is there and `force` is
+/// false, or what is there is neither an empty folder nor one that deform made. Changes nothing.
+void check_run_directory(const std::filesystem::path& folder, bool force);
+
+/// Makes the folder, with its parents; empties it when it is there (check_run_directory comes
+/// first). Throws InputError when it cannot be made, Error when it cannot be emptied.
+void make_run_directory(const std::filesystem::path& folder);
+
+/// True for a folder with a manifest.json that deform wrote.
+[[nodiscard]] bool has_manifest(const std::filesystem::path& folder);
+
+}  // namespace deform

@@ -1,0 +1,309 @@
+#include "deform/simulation/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "deform/error.h"
+#include "deform/log.h"
+
+#include "plugin/guard.h"
+#include "simulation/memory_sections.h"
+#include "simulation/part_maker.h"
+#include "simulation/solver_uses.h"
+
+namespace deform {
+namespace {
+
+/// An object of the model that may have a memory, and what its memory is kept under.
+struct Keeper {
+  std::string section;  ///< "energy/bending"
+  std::string origin;
+  std::shared_ptr<Plugin> object;
+};
+
+class MirrorImage final : public CompanionRun {
+ public:
+  explicit MirrorImage(std::unique_ptr<Simulation> simulation)
+      : simulation_(std::move(simulation)) {}
+  void step() override { simulation_->step(); }
+  [[nodiscard]] const State& state() const override { return simulation_->state(); }
+  [[nodiscard]] long steps() const override { return simulation_->steps(); }
+  void save(Memory& memory) const override { simulation_->save(memory); }
+  void load(const Memory& memory) override { simulation_->load(memory); }
+
+ private:
+  std::unique_ptr<Simulation> simulation_;
+};
+
+/// Reflection at z = 0.
+NodeVectors reflected(NodeVectors v) {
+  v.col(2) = -v.col(2);
+  return v;
+}
+
+std::vector<double> flattened(const NodeVectors& v) { return {v.data(), v.data() + v.size()}; }
+
+NodeVectors unflattened(const Memory& memory, const std::string& name, Index nodes) {
+  const std::vector<double>& values = memory.get(name, static_cast<std::size_t>(3 * nodes));
+  return Eigen::Map<const NodeVectors>(values.data(), nodes, 3);
+}
+
+}  // namespace
+
+struct Simulation::Impl {
+  Impl(Scene scene_, std::shared_ptr<const PluginRegistry> registry_, bool mirrored_)
+      : scene(std::move(scene_)), registry(std::move(registry_)), mirrored(mirrored_) {
+    make_system();
+    measure_rest();
+    set_initial_state();
+  }
+
+  void make_system();
+  [[nodiscard]] std::function<std::vector<Named<LinearSolver>>()> solver_factory(
+      PartMaker& maker, const std::shared_ptr<Surface>& surface);
+  void measure_rest();
+  void set_initial_state();
+  void advance();
+  void check_state();
+  [[noreturn]] void throw_not_finite();
+  [[noreturn]] void throw_out_of_bounds(Index node);
+  [[nodiscard]] std::string guilty_term(Index node);
+  void restore();
+
+  template <class Interface>
+  void keep(PluginKind kind, const std::vector<Named<Interface>>& parts) {
+    for (const auto& part : parts) {
+      keepers.push_back({fmt::format("{}/{}", name_of(kind), part.name), part.origin, part.object});
+    }
+  }
+
+  Scene scene;
+  std::shared_ptr<const PluginRegistry> registry;
+  bool mirrored;
+
+  std::vector<Keeper> keepers;
+  Named<Integrator> integrator;
+  NodeVectors rest;  // of this world; outlives the objects that saw it in their Setup
+  std::unique_ptr<System> system;
+
+  Vec3 centroid = Vec3::Zero();  // of the rest state
+  double size = 0;
+
+  State state;
+  State before;   // the last step: what previous_geometry is of
+  State earlier;  // the step before that one
+  long steps = 0;
+};
+
+void Simulation::Impl::make_system() {
+  PartMaker maker(scene, registry);
+  auto surface = maker.make<Surface>(scene.surface, maker.setup());
+  maker.throw_problems();  // nothing else can be made without a surface
+
+  rest = mirrored ? reflected(surface->object->rest()) : surface->object->rest();
+  const Setup setup = maker.setup(*surface->object, rest);
+  // The System reflects forces and constraints as a whole: these see the world as the scene
+  // describes it.
+  const Setup unmirrored = maker.setup(*surface->object, surface->object->rest());
+
+  ModelParts parts;
+  parts.surface = surface->object;
+  parts.rest = rest;
+  parts.mass = scene.material.density * surface->object->areas();
+  parts.damping = scene.material.damping * surface->object->areas();
+  parts.energies = maker.make_all<EnergyTerm>(scene.energies, setup);
+  parts.forces = maker.make_all<ForceField>(scene.forces, unmirrored);
+  parts.constraints = maker.make_all<Constraint>(scene.constraints, unmirrored);
+  parts.mirrored = mirrored;
+  auto made_integrator = maker.make<Integrator>(scene.integrator, setup);
+  parts.make_solvers = solver_factory(maker, surface->object);
+  maker.throw_problems();
+
+  integrator = *made_integrator;
+  keep<Surface>(PluginKind::surface, {*surface});
+  keep(PluginKind::energy, parts.energies);
+  keep(PluginKind::force, parts.forces);
+  keep(PluginKind::constraint, parts.constraints);
+  keep<Integrator>(PluginKind::integrator, {integrator});
+  system = std::make_unique<System>(std::move(parts));
+}
+
+std::function<std::vector<Named<LinearSolver>>()> Simulation::Impl::solver_factory(
+    PartMaker& maker, const std::shared_ptr<Surface>& surface) {
+  SolverUses solvers = solver_uses(scene, *registry);
+  maker.add(solvers.problems);
+  if (!mirrored) {  // once a run is enough
+    for (const std::string& reason : solvers.left_out) log::warn(reason);
+  }
+  const auto make = [this, surface, uses = std::move(solvers.uses)](PartMaker& by) {
+    return by.make_all<LinearSolver>(uses, by.setup(*surface, rest));
+  };
+  (void)make(maker);  // problems must show now, not when the System first needs a solver
+  return [this, make] {
+    PartMaker fresh(scene, registry);
+    auto made = make(fresh);
+    fresh.throw_problems();
+    return made;
+  };
+}
+
+void Simulation::Impl::measure_rest() {
+  centroid = rest.colwise().mean().transpose();
+  size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+}
+
+void Simulation::Impl::set_initial_state() {
+  const Surface& surface = system->surface();
+  state.r = mirrored ? reflected(surface.initial()) : surface.initial();
+  system->prescribe(0.0, state.r);
+
+  Vec3 velocity = scene.velocity;
+  if (mirrored) velocity.z() = -velocity.z();
+  state.v = NodeVectors::Zero(state.r.rows(), 3);
+  for (int c = 0; c < 3; ++c) {
+    for (const Index node : system->reduction().free_nodes(c)) state.v(node, c) = velocity[c];
+  }
+  before = earlier = state;
+  system->begin_step(state);
+}
+
+void Simulation::Impl::advance() {
+  try {
+    guarded(integrator.origin, "taking a step",
+            [this] { integrator.object->advance(*system, state, scene.step); });
+  } catch (const Diverged&) {
+    throw;
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::diverged) throw;
+    throw Diverged(e.what(), steps + 1, -1, "linear solve");  // the System knows no steps
+  }
+}
+
+void Simulation::Impl::check_state() {
+  if (state.r.rows() != before.r.rows() || state.v.rows() != before.v.rows()) {
+    throw PluginFailure(
+        fmt::format("{} changed the number of nodes of the state", integrator.origin));
+  }
+  const double limit = scene.max_distance * size;
+  double largest = 0;
+  Index farthest = 0;
+  for (Index i = 0; i < state.r.rows(); ++i) {
+    const double distance = (state.r.row(i).transpose() - centroid).squaredNorm();
+    if (!std::isfinite(distance) || !std::isfinite(state.v.row(i).sum())) throw_not_finite();
+    if (distance > largest) largest = distance, farthest = i;
+  }
+  if (largest > limit * limit) throw_out_of_bounds(farthest);
+}
+
+void Simulation::Impl::throw_not_finite() {
+  // A linear solve spreads one bad number over all nodes: the one that was fastest tells most.
+  Index worst = -1;
+  double speed = -1;
+  for (Index i = 0; i < state.r.rows(); ++i) {
+    if (std::isfinite((state.r.row(i) + state.v.row(i)).squaredNorm())) continue;
+    const double before_step = before.v.row(i).squaredNorm();
+    if (worst < 0 || before_step > speed) worst = i, speed = before_step;
+  }
+  worst = std::max<Index>(worst, 0);
+  throw Diverged("the state is not finite any more", steps + 1, worst, guilty_term(worst));
+}
+
+void Simulation::Impl::throw_out_of_bounds(Index node) {
+  const double distance = (state.r.row(node).transpose() - centroid).norm();
+  throw Diverged(
+      fmt::format("a node is {:.3g} m away from the centre of the rest state, more than {:g} "
+                  "sizes of the surface ({:.3g} m each)",
+                  distance, scene.max_distance, size),
+      steps + 1, node, guilty_term(node));
+}
+
+std::string Simulation::Impl::guilty_term(Index node) {
+  try {
+    return system->largest_force_at(node, before);
+  } catch (const std::exception&) {
+    return "unknown";  // the divergence is what the user must hear of
+  }
+}
+
+void Simulation::Impl::restore() {
+  state = before;
+  before = earlier;
+  system->begin_step(before);
+  system->update_geometry(state);
+}
+
+Simulation::Simulation(Scene scene, std::shared_ptr<const PluginRegistry> registry, bool mirrored)
+    : impl_(std::make_unique<Impl>(std::move(scene), std::move(registry), mirrored)) {}
+
+Simulation::~Simulation() = default;
+
+void Simulation::step() {
+  Impl& s = *impl_;
+  std::swap(s.earlier, s.before);
+  s.before = s.state;
+  s.system->begin_step(s.state);
+  try {
+    s.advance();
+    s.check_state();
+  } catch (...) {
+    s.restore();
+    throw;
+  }
+  ++s.steps;
+  s.state.time = static_cast<double>(s.steps) * s.scene.step;  // not summed up: exact to rounding
+}
+
+const Scene& Simulation::scene() const { return impl_->scene; }
+System& Simulation::system() { return *impl_->system; }
+const State& Simulation::state() const { return impl_->state; }
+long Simulation::steps() const { return impl_->steps; }
+double Simulation::size() const { return impl_->size; }
+std::shared_ptr<const PluginRegistry> Simulation::registry() const { return impl_->registry; }
+
+Frame Simulation::frame() {
+  impl_->system->update_geometry(impl_->state);
+  return {impl_->steps, impl_->scene.step, impl_->state, *impl_->system};
+}
+
+std::unique_ptr<CompanionRun> Simulation::mirrored() const {
+  return std::make_unique<MirrorImage>(
+      std::make_unique<Simulation>(impl_->scene, impl_->registry, !impl_->mirrored));
+}
+
+void Simulation::save(Memory& memory) const {
+  memory.put("state/steps", {static_cast<double>(impl_->steps)});
+  memory.put("state/r", flattened(impl_->state.r));
+  memory.put("state/v", flattened(impl_->state.v));
+  memory.put("state/previous_r", flattened(impl_->before.r));
+  for (const Keeper& keeper : impl_->keepers) {
+    guarded(keeper.origin, "saving its memory",
+            [&] { save_section(*keeper.object, keeper.section, memory); });
+  }
+}
+
+void Simulation::load(const Memory& memory) {
+  Impl& s = *impl_;
+  const Index nodes = s.state.r.rows();
+  State loaded;
+  loaded.r = unflattened(memory, "state/r", nodes);
+  loaded.v = unflattened(memory, "state/v", nodes);
+  s.before.r = unflattened(memory, "state/previous_r", nodes);
+  s.steps = static_cast<long>(memory.get("state/steps", 1).front());
+  loaded.time = static_cast<double>(s.steps) * s.scene.step;
+  s.state = std::move(loaded);
+  for (const Keeper& keeper : s.keepers) {
+    guarded(keeper.origin, "loading its memory",
+            [&] { load_section(*keeper.object, keeper.section, memory); });
+  }
+  s.system->begin_step(s.before);
+  s.system->update_geometry(s.state);
+}
+
+}  // namespace deform

@@ -1,0 +1,33 @@
+/// The force fields of a model, seen in the world they were written for even in a mirrored run.
+#pragma once
+
+#include <vector>
+
+#include "deform/solve/system.h"
+
+namespace deform {
+
+class ExternalForces {
+ public:
+  ExternalForces(const ModelParts& parts);
+
+  [[nodiscard]] bool needs_normals() const { return needs_normals_; }
+  /// f += forces at a state; normals (N × 3) only where needed.
+  void add_force(const State& state, const NodeVectors& normals, NodeVectors& f);
+  /// Adds the scalar tangents of the isotropic ones [N/m], [N·s/m].
+  void add_tangent(const State& state, const NodeVectors& normals, NodeValues& stiffness, NodeValues& damping);
+  [[nodiscard]] double potential(const State& state, const NodeVectors& normals);
+
+ private:
+  template <class Visit>
+  void visit_blocks(const State& state, const NodeVectors& normals, const Visit& visit);
+
+  const std::vector<Named<ForceField>> forces_;
+  const NodeValues areas_;
+  const NodeValues mass_;
+  bool mirrored_;
+  bool needs_normals_ = false;
+  NodeVectors r_, v_, n_, f_;  // reflected
+};
+
+}  // namespace deform

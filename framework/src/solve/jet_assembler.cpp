@@ -1,0 +1,222 @@
+#include "solve/jet_assembler.h"
+
+#include <algorithm>
+
+#include "parallel/parallel.h"
+#include "plugin/guard.h"
+
+namespace deform {
+namespace {
+
+/// Rows of a matrix or a force that one task gathers.
+constexpr Index kRows = 64;
+/// Sample fields that one term may have differenced.
+constexpr int kMostFields = 8;
+
+}  // namespace
+
+JetAssembler::JetAssembler(const SampleSet& samples, std::vector<Term> terms)
+    : samples_(&samples), terms_(std::move(terms)), gather_(samples) {
+  active_.fill(false);
+  std::size_t fields = 0;
+  for (const Term& t : terms_) {
+    if (t.traits.strong_form && samples.field_differences() == nullptr)
+      throw InputError("energy " + t.origin + " needs differences of a field of samples, which this surface does not have");
+    if (t.term->auxiliary_fields() > kMostFields)
+      throw InputError("energy " + t.origin + " declares more than 8 auxiliary fields");
+    std::vector<std::size_t>& numbers = of_term_.emplace_back();
+    for (const Coupling& coupling : t.term->couplings()) {
+      const auto at = std::ranges::find(couplings_, coupling);
+      const std::size_t number = static_cast<std::size_t>(at - couplings_.begin());
+      if (at == couplings_.end()) couplings_.push_back(coupling);
+      if (std::ranges::find(numbers, number) == numbers.end()) numbers.push_back(number);
+    }
+    // A stress may use every transposed derivative; the strong form's channels only if they are declared.
+    for (int m = 0; m < kDerivatives; ++m) active_[static_cast<std::size_t>(m)] = true;
+    for (const Coupling& coupling : couplings_) active_[static_cast<std::size_t>(slot(coupling.first))] = true;
+    fields += static_cast<std::size_t>(t.term->auxiliary_fields());
+  }
+  const auto m = static_cast<std::size_t>(samples.size());
+  k_.resize(couplings_.size() * m);
+  sigma_.resize(3 * kChannels * m);
+  auxiliary_.resize(fields * m);
+  std::size_t field = 0;
+  for (const Term& t : terms_) {
+    auto& views = auxiliary_of_.emplace_back();
+    for (int f = 0; f < t.term->auxiliary_fields(); ++f, ++field)
+      views.emplace_back(auxiliary_.data() + field * m, m);
+  }
+}
+
+const JetAssembler::Term* JetAssembler::find(std::size_t number) const {
+  const auto at = std::ranges::find(terms_, number, &Term::number);
+  return at == terms_.end() ? nullptr : &*at;
+}
+
+SampleBlock JetAssembler::sample_block(const Geometries& g, Index first, Index size) const {
+  return {.now = g.now.block(first, size),
+          .lagged = g.lagged.block(first, size),
+          .rest = g.rest.block(first, size),
+          .differences = samples_->field_differences(),
+          .auxiliary = {}};
+}
+
+void JetAssembler::evaluate(const Geometries& geometries, Part part, const Term* only) {
+  std::size_t offset = 0;
+  for (const Term& t : terms_) {
+    if (only == nullptr || only == &t) evaluate_auxiliary(geometries, t, offset);
+    offset += static_cast<std::size_t>(t.term->auxiliary_fields() * samples_->size());
+  }
+  parallel_blocks(samples_->size(), kBlock, [&](Index first, Index size) {
+    evaluate_block(geometries, part, only, first, size);
+  });
+}
+
+void JetAssembler::evaluate_auxiliary(const Geometries& g, const Term& term, std::size_t offset) {
+  const auto fields = static_cast<std::size_t>(term.term->auxiliary_fields());
+  if (fields == 0) return;
+  parallel_blocks(samples_->size(), kBlock, [&](Index first, Index size) {
+    std::array<Values, kMostFields> out;
+    for (std::size_t f = 0; f < fields; ++f)
+      out[f] = {auxiliary_.data() + offset + f * static_cast<std::size_t>(samples_->size()) +
+                    static_cast<std::size_t>(first),
+                static_cast<std::size_t>(size)};
+    guarded(term.origin, "computing auxiliary fields", [&] {
+      term.term->auxiliary(sample_block(g, first, size), {out.data(), fields});
+    });
+  });
+}
+
+void JetAssembler::evaluate_block(const Geometries& g, Part part, const Term* only, Index first,
+                                  Index size) {
+  for (std::size_t c = 0; c < couplings_.size(); ++c) std::fill_n(coupling(c) + first, size, 0.0);
+  AffineStress::ConstantTable constants;
+  Stress stress;
+  for (int m = 0; m < kChannels; ++m) {
+    const Vectors s = sigma(m).from(first);
+    for (double* component : {s.x, s.y, s.z}) std::fill_n(component, size, 0.0);
+    constants[static_cast<std::size_t>(m)] = s;
+    stress.sigma[static_cast<std::size_t>(m)] = s;
+  }
+  SampleBlock block = sample_block(g, first, size);
+  for (std::size_t t = 0; t < terms_.size(); ++t) {
+    const Term& term = terms_[t];
+    if (only != nullptr && only != &term) continue;
+    if (term.traits.lagged == Lagged::none) {
+      guarded(term.origin, "computing its stress", [&] { term.term->stress(block, stress); });
+      continue;
+    }
+    AffineStress::CouplingTable table{};
+    for (const std::size_t c : of_term_[t]) {
+      const auto& [m, n] = couplings_[c];
+      table[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))] = coupling(c) + first;
+    }
+    block.auxiliary = auxiliary_of_[t];
+    guarded(term.origin, "computing its lagged stress",
+            [&] { term.term->affine_stress(block, AffineStress(table, constants, size)); });
+  }
+  add_affine_part(block, part);
+}
+
+/// σ_m = c_m + Σ_n k_mn D_n r: the c_m are there already.
+void JetAssembler::add_affine_part(const SampleBlock& block, Part part) {
+  if (part == Part::constant) return;
+  for (std::size_t c = 0; c < couplings_.size(); ++c) {
+    const auto& [m, n] = couplings_[c];
+    const double* k = coupling(c) + block.first();
+    const ConstVectors r = block.now.r(n);
+    const Vectors s = sigma(slot(m)).from(block.first());
+    for (Index i = 0; i < block.size(); ++i) {
+      s.x[i] += k[i] * r.x[i];
+      s.y[i] += k[i] * r.y[i];
+      s.z[i] += k[i] * r.z[i];
+    }
+  }
+}
+
+void JetAssembler::add_force(NodeVectors& f) const {
+  const Index m_samples = samples_->size();
+  parallel_blocks(gather_.nodes(), kRows, [&](Index first, Index size) {
+    for (Index a = first; a < first + size; ++a) {
+      const GatherTable::Row row = gather_.row(a);
+      Vec3 sum = Vec3::Zero();
+      for (std::size_t e = 0; e < row.samples.size(); ++e)
+        for (int m = 0; m < kChannels; ++m) {
+          if (!active_[static_cast<std::size_t>(m)]) continue;
+          const double* x = sigma_.data() + 3 * m * m_samples + row.samples[e];
+          const double l = row.l[e][static_cast<std::size_t>(m)];
+          sum += l * Vec3(x[0], x[m_samples], x[2 * m_samples]);
+        }
+      f.row(a) -= sum;
+    }
+  });
+}
+
+void JetAssembler::bind(const SparseMatrix& pattern) {
+  slot_begin_.assign(1, 0);
+  slot_.clear();
+  for (Index a = 0; a < gather_.nodes(); ++a) {
+    const auto begin = pattern.column.begin() + pattern.row_begin[static_cast<std::size_t>(a)];
+    const auto end = pattern.column.begin() + pattern.row_begin[static_cast<std::size_t>(a) + 1];
+    for (const std::int32_t s : gather_.row(a).samples) {
+      for (const std::int32_t b : samples_->stencil(s).nodes) {
+        const auto at = std::lower_bound(begin, end, b);
+        const bool there = at != end && *at == b;
+        slot_.push_back(there ? static_cast<std::uint16_t>(at - begin) : kNoSlot);
+      }
+      slot_begin_.push_back(slot_.size());
+    }
+  }
+}
+
+void JetAssembler::add_operator(SparseMatrix& k) const {
+  parallel_blocks(gather_.nodes(), kRows, [&](Index first, Index size) {
+    for (Index a = first; a < first + size; ++a) {
+      const GatherTable::Row row = gather_.row(a);
+      double* values = k.value.data() + k.row_begin[static_cast<std::size_t>(a)];
+      for (std::size_t e = 0; e < row.samples.size(); ++e) {
+        // Row a of L_mᵀ k_mn, summed over the channels m, for each derivative n …
+        std::array<double, kDerivatives> left{};
+        for (std::size_t c = 0; c < couplings_.size(); ++c) {
+          const auto& [m, n] = couplings_[c];
+          left[static_cast<std::size_t>(slot(n))] +=
+              row.l[e][static_cast<std::size_t>(slot(m))] * coupling(c)[row.samples[e]];
+        }
+        // … times the rows of D_n at the sample.
+        const SampleSet::Stencil at = samples_->stencil(row.samples[e]);
+        const std::uint16_t* slots = slot_.data() + slot_begin_[gather_.first_pair(a) + e];
+        for (std::size_t b = 0; b < at.nodes.size(); ++b) {
+          if (slots[b] == kNoSlot) continue;
+          double sum = 0;
+          for (std::size_t n = 0; n < kDerivatives; ++n) sum += left[n] * at.d[b][n];
+          values[slots[b]] += sum;
+        }
+      }
+    }
+  });
+}
+
+void JetAssembler::energy_density(const Term& term, const Geometries& geometries, Values density) const {
+  parallel_blocks(samples_->size(), kBlock, [&](Index first, Index size) {
+    const Values block = density.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size));
+    std::ranges::fill(block, 0.0);
+    guarded(term.origin, "computing its energy", [&] {
+      term.term->energy_density(sample_block(geometries, first, size), block);
+    });
+  });
+}
+
+void JetAssembler::node_normals(const Geometry& now, NodeVectors& normals) const {
+  const ConstVectors n = now.all().n();
+  parallel_blocks(gather_.nodes(), kRows, [&](Index first, Index size) {
+    for (Index a = first; a < first + size; ++a) {
+      const GatherTable::Row row = gather_.row(a);
+      Vec3 sum = Vec3::Zero();
+      for (std::size_t e = 0; e < row.samples.size(); ++e) sum += row.l[e][0] * n[row.samples[e]];
+      const double length = sum.norm();
+      normals.row(a) = length > 0 ? Vec3(sum / length) : Vec3(Vec3::Zero());
+    }
+  });
+}
+
+}  // namespace deform

@@ -1,0 +1,103 @@
+/// Evaluates the terms on one sample set and gathers their forces and lagged operator.
+#pragma once
+
+#include <vector>
+
+#include "deform/geometry/geometry.h"
+#include "deform/model/energy_term.h"
+#include "deform/solve/sparse_matrix.h"
+#include "deform/solve/system.h"
+#include "solve/gather_table.h"
+
+namespace deform {
+
+/// The geometries that an evaluation uses.
+struct Geometries {
+  const Geometry& now;
+  const Geometry& lagged;
+  const Geometry& rest;
+};
+
+/// All terms on one set. The order of every sum is fixed by the scene and the set.
+class JetAssembler {
+ public:
+  struct Term {
+    std::size_t number;  ///< in the scene's list
+    std::string origin;
+    std::shared_ptr<const JetTerm> term;
+    TermTraits traits;
+  };
+
+  JetAssembler(const SampleSet& samples, std::vector<Term> terms);
+
+  [[nodiscard]] const SampleSet& samples() const { return *samples_; }
+  /// This assembler's place for a scene's term; null when the term is not on this set.
+  [[nodiscard]] const Term* find(std::size_t number) const;
+
+  /// What to add up in `evaluate`.
+  enum class Part { stress, constant };
+  /// Computes stress (or only its constant part c_m) and couplings at all samples, of all terms or of one.
+  void evaluate(const Geometries& geometries, Part part = Part::stress, const Term* only = nullptr);
+  /// f_a −= Σ L σ of the last evaluation.
+  void add_force(NodeVectors& f) const;
+
+  /// Calls visit(a, b) for every entry that the lagged operator may have.
+  template <class Visit>
+  void visit_pattern(const Visit& visit) const;
+  /// Remembers where in a matrix of that pattern the entries are.
+  void bind(const SparseMatrix& pattern);
+  /// K += Σ L k D of the last evaluation.
+  void add_operator(SparseMatrix& k) const;
+
+  /// W at the samples of a block's term, written to density (m).
+  void energy_density(const Term& term, const Geometries& geometries, Values density) const;
+  /// Unit normals at the nodes: area-weighted means of the samples' exact ones (N × 3).
+  void node_normals(const Geometry& now, NodeVectors& normals) const;
+
+ private:
+  void evaluate_auxiliary(const Geometries& g, const Term& term, std::size_t offset);
+  void evaluate_block(const Geometries& g, Part part, const Term* only, Index first, Index size);
+  void add_affine_part(const SampleBlock& block, Part part);
+  [[nodiscard]] SampleBlock sample_block(const Geometries& g, Index first, Index size) const;
+  [[nodiscard]] double* coupling(std::size_t c) { return k_.data() + static_cast<Index>(c) * samples_->size(); }
+  [[nodiscard]] const double* coupling(std::size_t c) const {
+    return k_.data() + static_cast<Index>(c) * samples_->size();
+  }
+  [[nodiscard]] Vectors sigma(int m) {
+    double* x = sigma_.data() + 3 * m * samples_->size();
+    return {x, x + samples_->size(), x + 2 * samples_->size()};
+  }
+
+  const SampleSet* samples_;
+  std::vector<Term> terms_;
+  GatherTable gather_;
+  std::vector<Coupling> couplings_;                     // of all terms, each once
+  std::vector<std::vector<std::size_t>> of_term_;       // their numbers in couplings_, a term
+  std::array<bool, kChannels> active_{};                // channels that some stress may use
+  std::vector<double> k_;                               // (couplings × m)
+  std::vector<double> sigma_;                           // (channels × 3 × m)
+  std::vector<double> auxiliary_;                       // (fields of all terms × m)
+  std::vector<std::vector<ConstValues>> auxiliary_of_;  // whole fields, a term
+  static constexpr std::uint16_t kNoSlot = 0xFFFF;
+  std::vector<std::size_t> slot_begin_;                 // of each (node, sample) pair
+  std::vector<std::uint16_t> slot_;                     // column places within the node's row
+};
+
+template <class Visit>
+void JetAssembler::visit_pattern(const Visit& visit) const {
+  for (Index a = 0; a < gather_.nodes(); ++a) {
+    const GatherTable::Row row = gather_.row(a);
+    for (std::size_t e = 0; e < row.samples.size(); ++e) {
+      const SampleSet::Stencil at = samples_->stencil(row.samples[e]);
+      for (std::size_t k = 0; k < at.nodes.size(); ++k)
+        for (const auto& [m, n] : couplings_)
+          if (row.l[e][static_cast<std::size_t>(slot(m))] != 0 &&
+              at.d[k][static_cast<std::size_t>(slot(n))] != 0) {
+            visit(a, Index{at.nodes[k]});
+            break;
+          }
+    }
+  }
+}
+
+}  // namespace deform

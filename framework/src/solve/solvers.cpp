@@ -1,0 +1,9 @@
+#include "deform/solve/integrator.h"
+#include "deform/solve/linear_solver.h"
+
+namespace deform {
+
+Integrator::~Integrator() = default;
+LinearSolver::~LinearSolver() = default;
+
+}  // namespace deform

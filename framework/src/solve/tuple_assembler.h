@@ -1,0 +1,51 @@
+/// Evaluates one term on tuples of nodes and gathers its force and lagged operator.
+#pragma once
+
+#include <vector>
+
+#include "deform/model/energy_term.h"
+#include "deform/solve/sparse_matrix.h"
+#include "deform/types.h"
+
+namespace deform {
+
+class TupleAssembler {
+ public:
+  TupleAssembler(std::size_t number, std::string origin, std::shared_ptr<const TupleTerm> term, Index nodes);
+
+  [[nodiscard]] std::size_t number() const { return number_; }
+  enum class Part { stress, constant };
+  void evaluate(const NodeVectors& now, const NodeVectors& lagged, Part part = Part::stress);
+  void add_force(NodeVectors& f) const;
+
+  template <class Visit>
+  void visit_pattern(const Visit& visit) const {
+    for (std::size_t t = 0; t < count(); ++t)
+      for (int a = 0; a < width_; ++a)
+        for (int b = 0; b < width_; ++b) visit(Index{node(t, a)}, Index{node(t, b)});
+  }
+  void bind(const SparseMatrix& pattern);
+  void add_operator(SparseMatrix& k) const;
+
+  [[nodiscard]] double energy(const NodeVectors& r) const;
+
+ private:
+  [[nodiscard]] std::size_t count() const { return term_->tuples().size() / static_cast<std::size_t>(width_); }
+  [[nodiscard]] std::int32_t node(std::size_t t, int a) const {
+    return term_->tuples()[t * static_cast<std::size_t>(width_) + static_cast<std::size_t>(a)];
+  }
+  [[nodiscard]] TupleBlock block(const NodeVectors& now, const NodeVectors& lagged, Index first,
+                                 Index size) const;
+
+  std::size_t number_;
+  std::string origin_;
+  std::shared_ptr<const TupleTerm> term_;
+  int width_;
+  std::vector<double> k_;      // (T × width × width)
+  std::vector<Vec3> force_;    // (T × width), of the last evaluation
+  std::vector<Index> begin_;   // of each node's (tuple, place) pairs
+  std::vector<Index> places_;  // tuple * width + place, ascending within a node
+  std::vector<Index> slot_;    // (T × width × width) places in the matrix' values
+};
+
+}  // namespace deform

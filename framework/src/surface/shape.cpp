@@ -1,0 +1,7 @@
+#include "deform/surface/shape.h"
+
+namespace deform {
+
+Shape::~Shape() = default;
+
+}  // namespace deform
