@@ -1,0 +1,28 @@
+#include "interrupt.h"
+
+#include <csignal>
+#include <unistd.h>
+
+namespace deform::app {
+namespace {
+
+std::atomic<bool> interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler must not lock");
+
+void on_signal(int /*number*/) {
+  if (interrupted.exchange(true)) ::_exit(130);
+}
+
+}  // namespace
+
+const std::atomic<bool>& watch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  return interrupted;
+}
+
+}  // namespace deform::app

@@ -1,0 +1,82 @@
+#include "run_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "deform/simulation/run.h"
+
+#include "interrupt.h"
+
+namespace deform::app {
+namespace {
+
+std::filesystem::path default_folder(const RunCommand& command) {
+  std::string name = command.scene.stem().string();
+  if (command.variant != "base") name += "-" + command.variant;
+  return std::filesystem::path("runs") / name;
+}
+
+/// Milliseconds a step, by part; what the parts do not account for is "other".
+void print_times(const RunResult& result) {
+  if (result.steps == 0) return;
+  const StepTimes& t = result.times;
+  const double known = t.geometry + t.assembly + t.factorisation + t.solve + t.output;
+  const auto per_step = [&result](double seconds) {
+    return 1e3 * seconds / static_cast<double>(result.steps);
+  };
+  fmt::print(
+      "  ms/step       {:.3f}: geometry {:.3f}, assembly {:.3f}, factorisation {:.3f}, "
+      "solve {:.3f}, output {:.3f}, other {:.3f}\n",
+      per_step(result.wall_seconds), per_step(t.geometry), per_step(t.assembly),
+      per_step(t.factorisation), per_step(t.solve), per_step(t.output),
+      per_step(std::max(0.0, result.wall_seconds - known)));
+}
+
+void print_figures(const RunResult& result) {
+  std::size_t width = 0;
+  for (const auto& [name, figure] : result.figures) width = std::max(width, name.size());
+  for (const auto& [name, figure] : result.figures) {
+    fmt::print("  {:<{}}  {}\n", name, width,
+               std::isnan(figure) ? "-" : fmt::format("{: .6g}", figure));
+  }
+}
+
+void print_summary(const RunResult& result, const std::filesystem::path& folder) {
+  fmt::print("{}\n", folder.string());
+  fmt::print("  steps         {}\n", result.steps);
+  fmt::print("  wall time     {:.2f} s\n", result.wall_seconds);
+  print_times(result);
+  print_figures(result);
+}
+
+}  // namespace
+
+int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegistry>& registry,
+              ProgressBar& bar) {
+  const Scene scene = read_scene(command.scene, *registry, command.replacements, command.variant);
+  RunOptions options;
+  options.folder = command.folder.empty() ? default_folder(command) : command.folder;
+  options.force = command.force;
+  options.interrupted = &watch_interrupts();
+  options.command_line = command.command_line;
+  options.progress = [&bar](long done, long total) { bar.update(done, total); };
+
+  if (!command.quiet) bar.begin();
+  RunResult result;
+  try {
+    result = run(scene, registry, options);
+  } catch (...) {
+    bar.end();
+    throw;
+  }
+  bar.end();
+  if (!result.reason.empty()) fmt::print(stderr, "deform: {}\n", result.reason);
+  if (!command.quiet) print_summary(result, options.folder);
+  return static_cast<int>(result.code);
+}
+
+}  // namespace deform::app

@@ -1,0 +1,75 @@
+#include "output_file.h"
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <system_error>
+
+#include <deform/error.h>
+
+namespace deform::outputs {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& reason) {
+  throw Error(ExitCode::plugin_failed, "cannot write '" + path.string() + "': " + reason);
+}
+
+template <class Number>
+void append_shortest(std::string& text, Number value) {
+  char digits[32];
+  const auto end = std::to_chars(digits, digits + sizeof(digits), value).ptr;
+  text.append(digits, end);
+}
+
+}  // namespace
+
+OutputFile::OutputFile(std::filesystem::path path)
+    : path_(std::move(path)), temporary_(path_.string() + ".part") {
+  file_ = std::fopen(temporary_.c_str(), "wb");
+  if (file_ == nullptr) fail(temporary_, std::strerror(errno));
+}
+
+OutputFile::~OutputFile() {
+  if (file_ == nullptr) return;
+  std::fclose(file_);
+  std::error_code ignored;
+  std::filesystem::remove(temporary_, ignored);
+}
+
+void OutputFile::write(const void* data, std::size_t bytes) {
+  if (bytes > 0 && std::fwrite(data, 1, bytes, file_) != bytes)
+    fail(temporary_, std::strerror(errno));
+}
+
+void OutputFile::commit() {
+  if (std::fflush(file_) != 0) fail(temporary_, std::strerror(errno));
+  std::FILE* file = file_;
+  file_ = nullptr;
+  std::error_code error;
+  if (std::fclose(file) != 0)
+    error.assign(errno, std::generic_category());
+  else
+    std::filesystem::rename(temporary_, path_, error);
+  if (!error) return;
+  std::error_code ignored;
+  std::filesystem::remove(temporary_, ignored);
+  fail(path_, error.message());
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) fail(folder, error.message());
+}
+
+std::string numbered_name(const std::string& stem, long step, const std::string& extension) {
+  std::string number = std::to_string(step);
+  constexpr std::size_t kDigits = 6;  // so that names sort like numbers
+  if (number.size() < kDigits) number.insert(0, kDigits - number.size(), '0');
+  return stem + "_" + number + "." + extension;
+}
+
+void append_number(std::string& text, double value) { append_shortest(text, value); }
+void append_number(std::string& text, long value) { append_shortest(text, value); }
+
+}  // namespace deform::outputs
