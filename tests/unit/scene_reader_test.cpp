@@ -1,0 +1,473 @@
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "deform/error.h"
+#include "deform/simulation/scene.h"
+
+#include "scene/json.h"
+#include "scene/json_pointer.h"
+
+namespace deform {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::string kScene = R"({
+  "$schema": "../schemas/scene.schema.json",
+  "title": "Sheet of paper pressed at its centre",  // A comment.
+  "surface": { "plugin": "grid", "nodes": [21, 21], "size": [1.0, 1.0],
+               "differences": "forward", "border": "paper", "weights": "equal" },
+  "material": { "density": 0.1, "damping": 1.0 },
+  "energies": [
+    { "plugin": "stretching", "eta": 0.01 },
+    { "plugin": "bending", "xi": 1e-6, "form": "expanded",
+      "normal": { "plugin": "gauss", "delta": 0.5 } }
+  ],
+  "forces": [ { "plugin": "point_load", "force": [0, 0, -0.01],
+                "where": { "centre": [0.5, 0.5], "radius": 0.06 } } ],
+  "constraints": [ { "plugin": "pin", "where": { "boundary": "all" } } ],
+  "integrator": { "plugin": "semi_implicit", "step": 0.02 },
+  "duration": 2.0,
+  "outputs": [ { "plugin": "vtk", "every": 5 } ],
+  "probes": [ "energy", "lowest" ],
+  "variants": {
+    "terzopoulos": { "/energies/1/form": "divergence", "/energies/1/normal": "terzopoulos" },
+    "stiff": { "/energies/1/xi": [[1e-5, 0], [0, 1e-5]], "/title": "stiff" }
+  }
+})";
+
+const PluginRegistry& registry() {
+  static const PluginRegistry found({DEFORM_PLUGINS, DEFORM_FIXTURE_PLUGINS});
+  return found;
+}
+
+Scene read(const std::string& text, const std::vector<Replacement>& replacements = {},
+           const std::string& variant = "base") {
+  return read_scene_text(text, "scene.json", "/scenes", registry(), replacements, variant);
+}
+
+std::vector<std::string> messages_of(const std::string& text,
+                                     const std::vector<Replacement>& replacements = {},
+                                     const std::string& variant = "base") {
+  std::vector<std::string> messages;
+  try {
+    (void)read(text, replacements, variant);
+  } catch (const InputError& error) {
+    for (const Problem& problem : error.problems()) messages.push_back(problem.message);
+  }
+  return messages;
+}
+
+/// The scene with the value at a JSON pointer replaced; a null takes the key away.
+std::string changed(const std::string& pointer, const std::string& value) {
+  Json scene = Json::parse(kScene, nullptr, true, true);
+  const Json::json_pointer at(pointer);
+  const Json replacement = Json::parse(value);
+  if (replacement.is_null()) {
+    scene[at.parent_pointer()].erase(at.back());
+  } else {
+    scene[at] = replacement;
+  }
+  return scene.dump();
+}
+
+std::vector<std::string> messages_with(const std::string& pointer, const std::string& value) {
+  return messages_of(changed(pointer, value));
+}
+
+TEST(SceneReader, ReadsTheWholeScene) {
+  const Scene scene = read(kScene);
+  EXPECT_EQ(scene.file, "/scenes/scene.json");
+  EXPECT_EQ(scene.title, "Sheet of paper pressed at its centre");
+  EXPECT_EQ(scene.surface.name, "grid");
+  EXPECT_EQ((scene.surface.parameters->get<std::array<std::int64_t, 2>>("nodes")),
+            (std::array<std::int64_t, 2>{21, 21}));
+  EXPECT_EQ(scene.material.density, 0.1);
+  EXPECT_EQ(scene.material.damping, 1.0);
+  ASSERT_EQ(scene.energies.size(), 2U);
+  EXPECT_EQ(scene.energies[1].pointer, "/energies/1");
+  EXPECT_EQ(scene.energies[1].parameters->get<PairWeights>("xi").w,
+            (std::array<double, 3>{1e-6, 1e-6, 1e-6}));
+  const auto& normal = scene.energies[1].parameters->get<PluginUse>("normal");
+  EXPECT_EQ(normal.name, "gauss");
+  EXPECT_EQ(normal.kind, PluginKind::normal);
+  EXPECT_EQ(normal.pointer, "/energies/1/normal");
+  EXPECT_EQ(normal.parameters->get<double>("delta"), 0.5);
+  const auto& where = scene.forces[0].parameters->get<NodeSelection>("where");
+  EXPECT_EQ(where.selectors.at(0).radius, 0.06);
+  EXPECT_EQ(scene.constraints[0].parameters->get<NodeSelection>("where").selectors[0].names,
+            std::vector<std::string>{"all"});
+  EXPECT_EQ(scene.step, 0.02);
+  EXPECT_EQ(scene.steps(), 100);
+  EXPECT_FALSE(scene.solver.has_value());
+  EXPECT_EQ(scene.outputs[0].every, 5);
+  EXPECT_EQ(scene.probes[1].use.name, "lowest");
+  EXPECT_EQ(scene.probes[1].use.pointer, "/probes/1");
+  EXPECT_EQ(scene.probes[1].every, 1);
+  EXPECT_EQ(scene.velocity, Vec3(0, 0, 0));
+  EXPECT_EQ(scene.max_distance, 10);
+  EXPECT_THAT(scene.variants, ElementsAre("terzopoulos", "stiff"));
+}
+
+TEST(SceneReader, CompletesTheSceneInItsOwnOrder) {
+  const Json completed = Json::parse(read(kScene).completed);
+  std::vector<std::string> keys;
+  for (const auto& member : completed.items()) keys.push_back(member.key());
+  EXPECT_THAT(keys,
+              ElementsAre("title", "surface", "material", "energies", "forces", "constraints",
+                          "integrator", "duration", "outputs", "probes", "velocity", "limits"));
+  EXPECT_EQ(completed["velocity"], Json::array({0.0, 0.0, 0.0}));
+  EXPECT_EQ(completed["limits"]["distance"], 10.0);
+  EXPECT_EQ(completed["probes"][1], (Json{{"plugin", "lowest"}, {"every", 1}}));
+  EXPECT_EQ(completed["forces"][0]["time"], 1.0);
+  EXPECT_EQ(completed["surface"]["periodic"], Json::array({false, false}));
+  EXPECT_EQ(completed["surface"]["rest"]["plugin"], "flat");
+  EXPECT_TRUE(completed["surface"]["rest"].contains("origin"));  // The nested plugin's default.
+  EXPECT_EQ(completed["energies"][0].begin().key(), "plugin");
+}
+
+TEST(SceneReader, CompletedScenesReadBackUnchanged) {
+  const std::string minimal = R"({"surface": {"plugin": "grid", "nodes": [3, 4]},
+    "integrator": {"plugin": "semi_implicit", "step": 0.1}, "duration": 1,
+    "energies": ["bending"], "forces": ["every_type"]})";
+  for (const auto& [text, variant] :
+       {std::pair(kScene, "base"), {kScene, "terzopoulos"}, {kScene, "stiff"}, {minimal, "base"}}) {
+    const Scene scene = read(text, {}, variant);
+    const Scene again = read_scene_text(scene.completed, "scene.json", "/elsewhere", registry());
+    EXPECT_EQ(again.completed, scene.completed);
+    EXPECT_EQ(again.title, scene.title);
+    EXPECT_EQ(again.steps(), scene.steps());
+    EXPECT_THAT(again.variants, IsEmpty());
+  }
+}
+
+TEST(SceneReader, AppliesVariants) {
+  EXPECT_EQ(read(kScene, {}, "stiff").title, "stiff");
+  EXPECT_EQ(read(kScene, {}, "stiff").energies[1].parameters->get<PairWeights>("xi").w,
+            (std::array<double, 3>{1e-5, 0, 1e-5}));
+  const Scene scene = read(kScene, {}, "terzopoulos");
+  EXPECT_EQ(scene.energies[1].parameters->get<PluginUse>("normal").name, "terzopoulos");
+  EXPECT_EQ(scene.energies[1].parameters->get<std::string>("form"), "divergence");
+}
+
+TEST(SceneReader, RejectsUnknownVariants) {
+  EXPECT_THAT(messages_of(kScene, {}, "stif"),
+              ElementsAre("scene.json: there is no variant \"stif\"; did you mean \"stiff\"?"));
+}
+
+TEST(SceneReader, ChecksEveryVariant) {
+  EXPECT_THAT(messages_with("/variants/stiff", R"({"/energies/1/xi": -1, "/energies/2/xi": 1,
+                                                  "/surface/nods": [2, 2], "/duration": 0.001})"),
+              testing::UnorderedElementsAre(
+                  AllOf(HasSubstr("variant \"stiff\": at /energies/1/xi: found -1, expected")),
+                  HasSubstr("/energies has no item \"2\", it has 2"),
+                  HasSubstr("has no \"nods\"; did you mean \"nodes\"?"),
+                  HasSubstr("expected at least one step, which is 0.02 [s]")));
+  EXPECT_THAT(messages_with("/variants/base", "{}"), ElementsAre(HasSubstr("not \"base\"")));
+  EXPECT_THAT(messages_with("/variants/stiff", "3"), ElementsAre(HasSubstr("found 3, expected")));
+  EXPECT_THAT(messages_with("/variants", "3"), ElementsAre(HasSubstr("found 3, expected")));
+}
+
+TEST(SceneReader, VariantNamesAreSafeFileNames) {
+  std::string text = kScene;
+  text.replace(text.find("\"stiff\""), 7, "\"../up\"");
+  EXPECT_THAT(messages_of(text), ElementsAre(HasSubstr("found \"../up\", expected a name")));
+}
+
+TEST(SceneReader, SaysWhereAVariantsValueStands) {
+  std::string text = kScene;
+  text.replace(text.find("[[1e-5, 0]"), 10, "[[1e-5, 2]");
+  EXPECT_THAT(messages_of(text),
+              ElementsAre("scene.json:21:34: variant \"stiff\": at /energies/1/xi: found "
+                          "[[1e-05,2],[0,1e-05]], expected a symmetric [[11, 12], [21, 22]]: 12 "
+                          "must equal 21"));
+}
+
+TEST(SceneReader, ReportsAProblemOfTheBaseOnce) {
+  EXPECT_THAT(messages_with("/duration", "-1"), ElementsAre(HasSubstr("at /duration: found -1")));
+}
+
+TEST(SceneReader, AppliesReplacements) {
+  const Scene scene = read(kScene,
+                           {{"/duration", "4"},
+                            {"/title", "plain text"},
+                            {"/forces/0/time", R"({"ramp": [0, 1]})"},
+                            {"/material/damping", "0.25"}},
+                           "stiff");
+  EXPECT_EQ(scene.duration, 4);
+  EXPECT_EQ(scene.title, "plain text");
+  EXPECT_EQ(scene.forces[0].parameters->get<TimeProfile>("time").form, TimeProfile::Form::ramp);
+  EXPECT_EQ(scene.material.damping, 0.25);
+}
+
+TEST(SceneReader, ReplacesWithinDefaultsAndShortForms) {
+  EXPECT_EQ(read(kScene, {{"/probes/0/every", "7"}}).probes[0].every, 7);
+  EXPECT_EQ(read(kScene, {{"/limits/distance", "3"}}).max_distance, 3);
+  const Scene scene = read(kScene, {{"/surface/rest/origin", "[1, 2, 3]"}});
+  EXPECT_EQ(scene.surface.parameters->get<PluginUse>("rest").parameters->get<Vec3>("origin"),
+            Vec3(1, 2, 3));
+  const Scene exact =
+      read(kScene, {{"/energies/1/normal", "gauss"}, {"/energies/1/normal/delta", "infinity"}});
+  EXPECT_EQ(exact.energies[1].parameters->get<PluginUse>("normal").parameters->get<double>("delta"),
+            kInfinity);
+}
+
+TEST(SceneReader, RejectsReplacementsThatLeadNowhere) {
+  EXPECT_THAT(messages_of(kScene, {{"/energis/1/xi", "1"},
+                                   {"/energies/01/xi", "1"},
+                                   {"duration", "1"},
+                                   {"", "1"},
+                                   {"/title/x", "1"},
+                                   {"/variants/stiff", "{}"},
+                                   {"/duration", "\"long\""},
+                                   {"/title", "\xff"}}),
+              ElementsAre("--set /energis/1/xi: the scene has no key \"energis\"; did you mean "
+                          "\"energies\"?",
+                          "--set /energies/01/xi: /energies has no item \"01\", it has 2",
+                          HasSubstr("--set duration: this is no JSON pointer"),
+                          HasSubstr("--set : this is no JSON pointer"),
+                          HasSubstr("--set /title/x: /title is \"Sheet"),
+                          "--set /variants/stiff: variants cannot be replaced",
+                          "--set /title: the value is not UTF-8",
+                          "--set /duration: at /duration: found \"long\", expected number > 0 "
+                          "[s]"));
+}
+
+TEST(SceneReader, ReportsEveryProblemInTheOrderOfTheFile) {
+  EXPECT_THAT(
+      messages_of(R"({
+  "titel": "x",
+  "surface": {"plugin": "grid", "nodes": [1, 21], "differences": "foward"},
+  "material": {"density": 0, "damping": "much"},
+  "energies": [{"plugin": "bendin"}, {"xi": 1}, 5, {"plugin": "stretching", "et": 1}],
+  "forces": {},
+  "colliders": [],
+  "integrator": {"plugin": "semi_implicit"},
+  "duration": 0
+})"),
+      ElementsAre(
+          "scene.json:2:3: at /titel: a scene has no \"titel\"; did you mean \"title\"?",
+          "scene.json:3:43: at /surface/nodes/0: found 1, expected whole number >= 3",
+          AllOf(HasSubstr("scene.json:3:66: at /surface/differences: found \"foward\", expected "
+                          "one of \"forward\", \"central\""),
+                HasSubstr("did you mean \"forward\"?")),
+          "scene.json:4:27: at /material/density: found 0, expected number > 0 [kg/m²]",
+          "scene.json:4:41: at /material/damping: found \"much\", expected number >= 0 [N·s/m³]",
+          AllOf(HasSubstr("scene.json:5:27: at /energies/0/plugin: there is no energy plugin "
+                          "\"bendin\"; did you mean \"bending\"?"),
+                HasSubstr("searched: ")),
+          HasSubstr(
+              "scene.json:5:38: at /energies/1: \"plugin\", the name of the energy plugin, is "
+              "missing"),
+          HasSubstr("scene.json:5:49: at /energies/2: found 5, expected the energy plugin"),
+          "scene.json:5:77: at /energies/3/et: energy plugin \"stretching\" has no \"et\"; did you "
+          "mean \"eta\"?",
+          HasSubstr("scene.json:6:13: at /forces: found {}, expected a list of force plugins"),
+          "scene.json:7:3: at /colliders: this version has no colliders yet",
+          HasSubstr("scene.json:8:17: at /integrator: \"step\" is missing: number > 0 [s]"),
+          "scene.json:9:15: at /duration: found 0, expected number > 0 [s]"));
+}
+
+TEST(SceneReader, SaysWhatIsMissing) {
+  EXPECT_THAT(messages_of("{}"), ElementsAre(HasSubstr("scene.json:1:1: \"surface\" is missing"),
+                                             HasSubstr("\"integrator\" is missing"),
+                                             HasSubstr("\"duration\" is missing")));
+  EXPECT_THAT(messages_of("[]"), ElementsAre(HasSubstr("expected a scene")));
+  EXPECT_THAT(messages_of("{"), ElementsAre(HasSubstr("scene.json:1:2: ")));
+  EXPECT_THAT(messages_of("{\"title\": \"\", \"title\": \"\"}"),
+              ElementsAre(HasSubstr("scene.json:1:15: at /title: ")));
+}
+
+TEST(SceneReader, ADurationIsAtLeastOneStep) {
+  EXPECT_THAT(messages_with("/duration", "0.009"), ElementsAre(HasSubstr("at least one step")));
+  EXPECT_THAT(messages_with("/duration", "1e300"), ElementsAre(HasSubstr("more than")));
+  EXPECT_EQ(read(changed("/duration", "0.011")).steps(), 1);
+}
+
+TEST(SceneReader, ReadsFiles) {
+  const auto file = std::filesystem::path(testing::TempDir()) / "scene_reader_test.json";
+  std::ofstream(file) << kScene;
+  EXPECT_EQ(read_scene(file, registry()).file, file);
+  std::filesystem::remove(file);
+  EXPECT_THROW((void)read_scene(file, registry()), InputError);
+}
+
+// --- Types of parameters, by the fixture that has one of each ---
+
+std::string with_parameters(const std::string& parameters) {
+  return R"({"surface": {"plugin": "grid", "nodes": [3, 3]}, "duration": 1,
+    "integrator": {"plugin": "semi_implicit", "step": 0.1},
+    "forces": [{"plugin": "every_type", )" +
+         parameters + "}]}";
+}
+
+template <class T>
+T value_of(const std::string& name, const std::string& json) {
+  const Scene scene = read(with_parameters('"' + name + "\": " + json));
+  return scene.forces[0].parameters->get<T>(name);
+}
+
+/// What is said of a parameter's value, without its place.
+std::string complaint(const std::string& name, const std::string& json) {
+  const auto messages = messages_of(with_parameters('"' + name + "\": " + json));
+  if (messages.size() != 1) return std::to_string(messages.size()) + " messages";
+  const std::size_t place = messages[0].find("at /forces/0/");
+  return messages[0].substr(place + 13);
+}
+
+TEST(SceneValues, ReadsNumbersAndFlags) {
+  EXPECT_EQ(value_of<bool>("flag", "false"), false);
+  EXPECT_EQ(value_of<std::int64_t>("small", "2.0"), 2);
+  EXPECT_EQ(value_of<std::int64_t>("whole", "-9223372036854775808"),
+            std::numeric_limits<std::int64_t>::min());
+  EXPECT_EQ(value_of<double>("number", "1"), 1);
+  EXPECT_EQ(value_of<double>("limit", "\"infinity\""), kInfinity);
+  EXPECT_EQ(value_of<double>("unsaid", "2"), 2);
+  EXPECT_EQ(value_of<Vec2>("pair", "[1, 2.5]"), Vec2(1, 2.5));
+  EXPECT_EQ(value_of<std::vector<double>>("numbers", "[]"), std::vector<double>{});
+  EXPECT_EQ((value_of<std::array<bool, 2>>("both", "true")), (std::array{true, true}));
+  EXPECT_EQ((value_of<std::array<bool, 2>>("both", "[true, false]")), (std::array{true, false}));
+  EXPECT_EQ(value_of<std::vector<bool>>("flags", "true"), (std::vector<bool>{true, true, true}));
+  EXPECT_EQ(value_of<std::vector<Vec3>>("places", "[[1,2,3], [4,5,6]]")[1], Vec3(4, 5, 6));
+  EXPECT_EQ(value_of<std::vector<std::string>>("texts", "[\"z\"]"), std::vector<std::string>{"z"});
+}
+
+TEST(SceneValues, RejectsNumbersAndFlags) {
+  EXPECT_EQ(complaint("flag", "1"), "flag: found 1, expected true or false");
+  EXPECT_EQ(complaint("small", "0"), "small: found 0, expected whole number >= 1, <= 2147483647");
+  EXPECT_THAT(complaint("small", "5000000000"), HasSubstr("found 5000000000, expected whole"));
+  EXPECT_EQ(complaint("whole", "0.5"), "whole: found 0.5, expected whole number");
+  EXPECT_EQ(complaint("whole", "1e300"), "whole: found 1e+300, expected whole number");
+  EXPECT_EQ(complaint("number", "1.5"), "number: found 1.5, expected number >= 0, <= 1 [1/m]");
+  EXPECT_EQ(complaint("number", "\"infinity\""),
+            "number: found \"infinity\", expected number >= 0, <= 1 [1/m]");
+  EXPECT_EQ(complaint("limit", "0"), "limit: found 0, expected number > 0, or \"infinity\" [s]");
+  EXPECT_EQ(complaint("limit", "null"),
+            "limit: found null, expected number > 0, or \"infinity\" [s]");
+  EXPECT_EQ(complaint("text", "[]"), "text: found [], expected text");
+  EXPECT_EQ(complaint("choice", "\"lft\""),
+            "choice: found \"lft\", expected one of \"left\", \"right\"; did you mean \"left\"?");
+  EXPECT_EQ(complaint("pair", "[1, 2, 3]"),
+            "pair: found [1,2,3], expected [number, number] > 0 [m]");
+  EXPECT_EQ(complaint("pair", "[1, 0]"), "pair/1: found 0, expected number > 0 [m]");
+  EXPECT_EQ(complaint("vector", "[1, 2]"), "vector: found [1,2], expected [x, y, z] [N]");
+  EXPECT_EQ(complaint("numbers", "1"), "numbers: found 1, expected list of numbers");
+  EXPECT_EQ(complaint("numbers", "[1, \"a\"]"), "numbers/1: found \"a\", expected number");
+  EXPECT_EQ(complaint("wholes", "[-1]"), "wholes/0: found -1, expected whole number >= 0");
+  EXPECT_EQ(complaint("counts", "[2, 1]"), "counts/1: found 1, expected whole number >= 2");
+  EXPECT_THAT(complaint("both", "[true]"), HasSubstr("expected true, false or two of them"));
+  EXPECT_THAT(complaint("flags", "[1]"), HasSubstr("flags/0: found 1, expected true or false"));
+  EXPECT_THAT(complaint("texts", "[\"w\"]"), HasSubstr("texts/0: found \"w\", expected one of"));
+  EXPECT_THAT(complaint("places", "[[1, 2]]"), HasSubstr("places/0: found [1,2]"));
+  EXPECT_THAT(complaint("file", "1"), HasSubstr("file: found 1, expected file name"));
+}
+
+TEST(SceneValues, ReadsPairWeights) {
+  using Weights = std::array<double, 3>;
+  EXPECT_EQ(value_of<PairWeights>("weights", "2").w, (Weights{2, 2, 2}));
+  EXPECT_EQ(value_of<PairWeights>("weights", "[[1, 2], [2, 3]]").w, (Weights{1, 2, 3}));
+  EXPECT_THAT(complaint("weights", "[[1, 2], [3, 4]]"), HasSubstr("symmetric"));
+  EXPECT_THAT(complaint("weights", "[[1, 2], [2, -4]]"),
+              HasSubstr("weights/1/1: found -4, expected number >= 0 [N/m]"));
+  EXPECT_THAT(complaint("weights", "[1, 2, 3]"),
+              HasSubstr("expected number or [[11, 12], [21, 22]] >= 0 [N/m]"));
+  EXPECT_THAT(complaint("weights", "-1"), HasSubstr("weights: found -1, expected number >= 0"));
+}
+
+TEST(SceneValues, ReadsTimeProfiles) {
+  EXPECT_EQ(value_of<TimeProfile>("time", "0.5")(3), 0.5);
+  EXPECT_EQ(value_of<TimeProfile>("time", R"({"ramp": [1, 3]})")(2), 0.5);
+  EXPECT_EQ(value_of<TimeProfile>("time", R"({"pulse": [1, 3]})")(2), 1);
+  EXPECT_EQ(value_of<TimeProfile>("time", R"({"table": [[0, 1], [1, 3]]})")(0.5), 2);
+  EXPECT_THAT(complaint("time", R"({"ramp": [3, 1]})"),
+              HasSubstr("time/ramp: found [3,1], expected ascending times"));
+  EXPECT_THAT(complaint("time", R"({"table": [[0, 1], [0, 3]]})"), HasSubstr("ascending times"));
+  EXPECT_THAT(complaint("time", R"({"table": []})"), HasSubstr("at least one"));
+  EXPECT_THAT(complaint("time", R"({"table": [[0]]})"), HasSubstr("time/table/0: found [0]"));
+  EXPECT_THAT(complaint("time", R"({"rmp": [1, 3]})"), HasSubstr("{\"ramp\": [t0, t1]}"));
+  EXPECT_THAT(complaint("time", R"({"ramp": [1, 3], "pulse": [1, 3]})"), HasSubstr("expected a"));
+}
+
+TEST(SceneValues, ReadsSelections) {
+  const auto selectors = [](const std::string& json) {
+    return value_of<NodeSelection>("where", json).selectors;
+  };
+  EXPECT_EQ(selectors(R"({"centre": [0.5, 1], "radius": 0})")[0].centre, Vec2(0.5, 1));
+  EXPECT_EQ(selectors(R"({"box": [[0, 1], [2, 3]]})")[0].upper, Vec2(2, 3));
+  EXPECT_THAT(selectors(R"({"boundary": ["left", "top"]})")[0].names, ElementsAre("left", "top"));
+  EXPECT_THAT(selectors(R"({"corners": "all"})")[0].names, ElementsAre("all"));
+  EXPECT_THAT(selectors(R"({"node": 3})")[0].numbers, ElementsAre(3));
+  const auto both = selectors(R"([{"node": [3, 4]}, {"boundary": "left"}])");
+  ASSERT_EQ(both.size(), 2U);
+  EXPECT_EQ(both[0].form, NodeSelector::Form::node);
+  EXPECT_EQ(both[1].form, NodeSelector::Form::boundary);
+}
+
+TEST(SceneValues, RejectsSelections) {
+  EXPECT_THAT(complaint("where", "[]"), HasSubstr("where: found [], expected {\"centre\""));
+  EXPECT_THAT(complaint("where", "\"all\""), HasSubstr("where: found \"all\", expected"));
+  EXPECT_THAT(complaint("where", R"({"bundary": "all"})"), HasSubstr("expected {\"centre\""));
+  EXPECT_THAT(complaint("where", R"({"centre": [0, 0]})"),
+              HasSubstr("a \"radius\" with the other"));
+  EXPECT_THAT(complaint("where", R"({"centre": [0, 0], "radius": -1})"),
+              HasSubstr("where/radius: found -1, expected number >= 0 [m]"));
+  EXPECT_THAT(complaint("where", R"({"box": [[0, 0], [1, -1]]})"), HasSubstr("a2 <= b2"));
+  EXPECT_THAT(complaint("where", R"({"node": -1})"), HasSubstr("where/node: found -1"));
+  EXPECT_THAT(complaint("where", R"({"node": []})"), HasSubstr("a node's number or a list"));
+  EXPECT_THAT(complaint("where", R"([{"node": 1}, {"node": 0.5}])"), HasSubstr("where/1/node: "));
+  EXPECT_THAT(complaint("where", R"({"node": 1, "boundary": "all"})"),
+              HasSubstr("where/node: this selector has no \"node\"; valid is \"boundary\""));
+}
+
+TEST(SceneValues, ReadsNestedPlugins) {
+  EXPECT_EQ(value_of<PluginUse>("normal", "\"exact\"").name, "exact");
+  EXPECT_EQ(value_of<PluginUse>("shape", R"({"plugin": "flat"})").kind, PluginKind::shape);
+  EXPECT_THAT(complaint("normal", "\"flat\""),
+              AllOf(testing::StartsWith("normal: there is no normal plugin \"flat\""),
+                    HasSubstr("there is a plugin shape/flat")));
+  EXPECT_THAT(complaint("normal", R"({"plugin": "gauss", "delta": -1})"),
+              HasSubstr("normal/delta: found -1, expected number >= 0"));
+  EXPECT_THAT(complaint("normal", R"({"plugin": "broken_api"})"),
+              HasSubstr("plugin API number is"));
+}
+
+TEST(SceneValues, FilesStartFromTheScenesFolder) {
+  using Path = std::filesystem::path;
+  EXPECT_EQ(value_of<Path>("file", "\"../a.obj\""), "/a.obj");
+  EXPECT_EQ(value_of<Path>("file", "\"/b.obj\""), "/b.obj");
+  const Scene scene = read(with_parameters("\"text\": \"\""));
+  EXPECT_EQ(scene.forces[0].parameters->get<Path>("file"), "/scenes/data/file.txt");
+  EXPECT_EQ(scene.forces[0].parameters->get<Path>("no_file"), "");
+}
+
+TEST(SceneValues, DefaultsThatNobodyCanSayStayUnsaid) {
+  const Json force = Json::parse(read(with_parameters("\"flag\": true")).completed)["forces"][0];
+  EXPECT_FALSE(force.contains("unsaid"));
+  EXPECT_FALSE(force.contains("where"));
+  EXPECT_FALSE(force.contains("shape"));
+  EXPECT_EQ(force["limit"], "infinity");
+  EXPECT_TRUE(force["normal"].contains("delta"));
+}
+
+TEST(JsonPointer, SplitsAndJoins) {
+  EXPECT_THAT(*pointer_steps("/a~1b/~0/0/"), ElementsAre("a/b", "~", "0", ""));
+  EXPECT_THAT(*pointer_steps(""), IsEmpty());
+  EXPECT_FALSE(pointer_steps("a").has_value());
+  EXPECT_FALSE(pointer_steps("/~2").has_value());
+  EXPECT_FALSE(pointer_steps("/~").has_value());
+  EXPECT_EQ(child_pointer("/x", "a/~b"), "/x/a~1~0b");
+  EXPECT_EQ(parent_pointer("/x/a~1b"), "/x");
+  EXPECT_EQ(parent_pointer("/x"), "");
+  EXPECT_TRUE(is_within("/a/b", "/a"));
+  EXPECT_FALSE(is_within("/ab", "/a"));
+}
+
+}  // namespace
+}  // namespace deform
