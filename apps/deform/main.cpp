@@ -65,7 +65,7 @@ CLI::App& add_run(CLI::App& app, Arguments& arguments) {
   run.add_option("--out", arguments.run.folder, "run directory (default: runs/SCENE[-VARIANT])")
       ->type_name("DIR");
   run.add_flag("--force", arguments.run.force, "replace an existing run directory");
-  run.add_option("--threads", arguments.threads, "number of threads (default: all)")
+  run.add_option("--threads", arguments.threads, "use at most N threads (default: all)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   run.add_flag("--quiet", arguments.run.quiet, "no progress bar and no summary");

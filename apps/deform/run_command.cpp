@@ -31,9 +31,9 @@ void print_times(const RunResult& result) {
   fmt::print(
       "  ms/step       {:.3f}: geometry {:.3f}, assembly {:.3f}, factorisation {:.3f}, "
       "solve {:.3f}, output {:.3f}, other {:.3f}\n",
-      per_step(result.wall_seconds), per_step(t.geometry), per_step(t.assembly),
+      per_step(result.stepping_seconds), per_step(t.geometry), per_step(t.assembly),
       per_step(t.factorisation), per_step(t.solve), per_step(t.output),
-      per_step(std::max(0.0, result.wall_seconds - known)));
+      per_step(std::max(0.0, result.stepping_seconds - known)));
 }
 
 void print_figures(const RunResult& result) {

@@ -6,7 +6,6 @@ target_compile_features(deform_flags INTERFACE cxx_std_20)
 target_compile_options(deform_flags INTERFACE
   -march=x86-64-v2       # one baseline for all: Eigen's alignment, part of the ABI tag, follows from it
   -fno-math-errno -fno-trapping-math -ffp-contract=off
-  -fvisibility=hidden -fvisibility-inlines-hidden
   $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
 if(DEFORM_SANITIZE)
   target_compile_options(deform_flags INTERFACE

@@ -17,7 +17,9 @@ function(deform_add_plugin kind name)
   set(target deform_${kind}_${name})
   add_library(${target} MODULE ${PLUGIN_SOURCES})
   target_link_libraries(${target} PRIVATE deform::framework ${PLUGIN_LIBRARIES})
-  set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME "${kind}-${name}" SUFFIX ".so")
+  # Nothing but the descriptor is visible, so that two plugins cannot bind to each other's symbols.
+  set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME "${kind}-${name}" SUFFIX ".so"
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   if(PLUGIN_OUTPUT_DIRECTORY)
     set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${PLUGIN_OUTPUT_DIRECTORY})
   else()

@@ -100,12 +100,12 @@ class FieldSchema {
     if (field_.maximum) schema["maximum"] = static_cast<Number>(*field_.maximum);
     return schema;
   }
-  Json integer() const { return limited<std::int64_t>("integer"); }
-  Json number() const {
+  [[nodiscard]] Json integer() const { return limited<std::int64_t>("integer"); }
+  [[nodiscard]] Json number() const {
     const Json finite = limited<double>("number");
     return field_.may_be_infinite ? any_of({finite, Json{{"const", "infinity"}}}) : finite;
   }
-  Json text() const {
+  [[nodiscard]] Json text() const {
     Json schema = type("string");
     if (!field_.choices.empty()) schema["enum"] = field_.choices;
     return schema;

@@ -52,10 +52,10 @@ fs::path installed_plugins() {
   std::error_code error;
   const fs::path inside = fs::path("deform") / "plugins";
   const fs::path program = boost::dll::program_location(error);
-  const fs::path by_program = program.parent_path().parent_path() / "lib" / inside;
+  fs::path by_program = program.parent_path().parent_path() / "lib" / inside;
   if (!error && fs::is_directory(by_program, error)) return by_program;
   const fs::path library = boost::dll::this_line_location(error);
-  const fs::path by_library = library.parent_path() / inside;
+  fs::path by_library = library.parent_path() / inside;
   if (!library.empty() && fs::is_directory(by_library, error)) return by_library;
   return by_program;
 }
@@ -139,7 +139,7 @@ struct PluginRegistry::Impl {
   std::map<std::pair<PluginKind, std::string>, LoadedPlugin> loaded;  // Guarded by mutex.
 
   /// The one library of a kind and name.
-  const PluginFile& find(PluginKind kind, const std::string& name) const {
+  [[nodiscard]] const PluginFile& find(PluginKind kind, const std::string& name) const {
     const auto is_wanted = [&](const PluginFile& f) { return f.kind == kind && f.name == name; };
     const auto first = std::find_if(files.begin(), files.end(), is_wanted);
     if (first == files.end()) throw InputError(not_found(kind, name));
@@ -151,7 +151,7 @@ struct PluginRegistry::Impl {
     return *first;
   }
 
-  std::vector<std::string> names(PluginKind kind) const {
+  [[nodiscard]] std::vector<std::string> names(PluginKind kind) const {
     std::vector<std::string> names;
     for (const PluginFile& file : files) {
       const bool is_new = names.empty() || names.back() != file.name;
@@ -160,7 +160,7 @@ struct PluginRegistry::Impl {
     return names;
   }
 
-  std::string not_found(PluginKind kind, const std::string& name) const {
+  [[nodiscard]] std::string not_found(PluginKind kind, const std::string& name) const {
     std::string message = "there is no " + std::string(name_of(kind)) + " plugin \"" + name + "\"";
     message += did_you_mean(name, names(kind));
     for (const PluginFile& file : files) {

@@ -41,7 +41,7 @@ class SelectorReader {
 
   std::optional<NodeSelector> read_alone(const Json& json, const ValuePlace& place,
                                          const std::string& key, ReadValue read_value) {
-    const auto selector = (this->*read_value)(json[key], place.key(key));
+    auto selector = (this->*read_value)(json[key], place.key(key));
     note_unknown_keys(json, {key}, place.pointer, "this selector", reader_.problems());
     return selector;
   }

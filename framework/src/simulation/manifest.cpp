@@ -1,5 +1,6 @@
 #include "simulation/manifest.h"
 
+#include <algorithm>
 #include <array>
 #include <ctime>
 #include <string>
@@ -9,6 +10,7 @@
 #include <Eigen/Core>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include "deform/version.h"
@@ -27,6 +29,13 @@ std::string utc_now() {
 std::string host_name() {
   std::array<char, 256> name{};
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
+}
+
+int threads() {
+  // A limit on the whole program does not show in the arena.
+  const auto allowed =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return std::min(static_cast<int>(allowed), tbb::this_task_arena::max_concurrency());
 }
 
 Json versions() {
@@ -79,7 +88,7 @@ Manifest::Manifest(const Scene& scene, const PluginRegistry& registry, const Run
   json_["started"] = utc_now();
   json_["host"] = host_name();
   json_["cpus"] = std::thread::hardware_concurrency();
-  json_["threads"] = tbb::this_task_arena::max_concurrency();
+  json_["threads"] = threads();
   json_["built_with"] = versions();
   json_["plugins"] = Json::array();
   for (const LoadedPlugin* plugin : plugins_used(scene, registry)) {
@@ -95,11 +104,9 @@ void Manifest::finish(const RunResult& result, const std::string& solver_choice)
   json_["steps"] = result.steps;
   json_["wall_seconds"] = result.wall_seconds;
   const StepTimes& t = result.times;
-  json_["seconds"] = {{"geometry", t.geometry},
-                      {"assembly", t.assembly},
-                      {"factorisation", t.factorisation},
-                      {"solve", t.solve},
-                      {"output", t.output}};
+  json_["seconds"] = {
+      {"all_steps", result.stepping_seconds}, {"geometry", t.geometry}, {"assembly", t.assembly},
+      {"factorisation", t.factorisation},     {"solve", t.solve},       {"output", t.output}};
 }
 
 void Manifest::write(const std::filesystem::path& folder) const {

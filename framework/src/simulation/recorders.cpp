@@ -33,7 +33,8 @@ void ProbeRecorder::begin(const RunContext& context) {
         columns_.insert(columns_.end(), columns.begin(), columns.end());
       } catch (const InputError& e) {
         for (const Problem& problem : e.problems()) {
-          problems.push_back({entry.pointer, entry.probe.name + ": " + problem.message});
+          problems.push_back(
+              {entry.pointer, fmt::format("at {}: {}", entry.pointer, problem.message)});
         }
       }
     });
@@ -59,8 +60,8 @@ void ProbeRecorder::measure(const Entry& entry, const Frame& frame) {
   guarded(entry.probe.origin, "measuring", [&] { entry.probe.object->measure(frame, figures); });
   for (std::size_t i = entry.first; i < entry.first + entry.size; ++i) {
     if (std::isinf(row_[i])) {
-      throw PluginFailure(fmt::format("plugin {} measured an infinite {} at step {}",
-                                      entry.probe.origin, columns_[i].name, frame.step));
+      throw PluginFailure(
+          fmt::format("plugin {} measured an infinite {}", entry.probe.origin, columns_[i].name));
     }
     summaries_[i].add(row_[i]);
   }

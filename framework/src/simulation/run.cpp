@@ -19,6 +19,7 @@
 #include "simulation/recorders.h"
 #include "simulation/run_directory.h"
 #include "simulation/run_log.h"
+#include "solve/stopwatch.h"
 
 namespace deform {
 namespace {
@@ -116,6 +117,7 @@ RunResult Recording::execute() {
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
   try {
     start();
+    const Stopwatch watch(result_.stepping_seconds);
     step_to_end();
   } catch (const Diverged& e) {
     divergence_ = e;

@@ -112,7 +112,7 @@ class Selection {
     }
   }
 
-  std::string extent() const {
+  [[nodiscard]] std::string extent() const {
     if (surface_.nodes() == 0) return "which has none";
     const auto& a = surface_.parameters();
     const Eigen::RowVector2d lower = a.colwise().minCoeff();

@@ -29,6 +29,7 @@ struct RunResult {
   double wall_seconds = 0;
   StepTimes times;
   std::vector<std::pair<std::string, double>> figures;  ///< the last row of the probes, header and value
+  double stepping_seconds = 0;       ///< of wall_seconds: from the first step to the last, recording included
 };
 
 /// Runs a scene to its end and writes the run directory: scene.json, manifest.json, probes.csv, summary.json,
