@@ -1,13 +1,13 @@
-/// Time of one semi-implicit step of sheet P and its split, by method and resolution; and of one written frame.
-/// xi is 1e-6 for the variational form; the others, which such a step does not carry at 129² nodes, get 1e-10:
-/// what a step costs does not depend on it.
-#include <benchmark/benchmark.h>
-#include <fmt/format.h>
+/// Time of one semi-implicit step of sheet P and its split, by method and resolution; and of one
+/// written frame. xi is 1e-6 for the variational form; the others, which such a step does not carry
+/// at 129² nodes, get 1e-10: what a step costs does not depend on it.
+#include <memory>
 #include <stdlib.h>
-#include <tbb/global_control.h>
 #include <unistd.h>
 
-#include <memory>
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <tbb/global_control.h>
 
 #include "deform/record/output.h"
 #include "deform/simulation/simulation.h"
@@ -63,7 +63,8 @@ void step(benchmark::State& bench) {
 void write_frame(benchmark::State& bench) {
   Simulation simulation = sheet_p(bench.range(0), kMethods[0]);
   simulation.step();
-  const Setup setup([](const PluginUse& use, const Setup& s) { return built_in()->create(use, s); });
+  const Setup setup(
+      [](const PluginUse& use, const Setup& s) { return built_in()->create(use, s); });
   const auto output = std::dynamic_pointer_cast<Output>(
       built_in()->create({PluginKind::output, "vtk", nullptr, ""}, setup));
   const std::filesystem::path folder =
@@ -75,7 +76,13 @@ void write_frame(benchmark::State& bench) {
   output->end();
   std::filesystem::remove_all(folder);
 }
-BENCHMARK(write_frame)->ArgName("n")->Arg(65)->Arg(129)->Arg(257)->Unit(benchmark::kMillisecond)->Iterations(5);
+BENCHMARK(write_frame)
+    ->ArgName("n")
+    ->Arg(65)
+    ->Arg(129)
+    ->Arg(257)
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(5);
 
 BENCHMARK(step)
     ->ArgNames({"n", "method", "threads"})

@@ -8,19 +8,23 @@ struct Parameters {
   std::string form = "divergence";
   PluginUse normal{.kind = PluginKind::normal, .name = "exact"};
   static void declare(Declaration<Parameters>& d) {
-    d("xi", &Parameters::xi, "N·m", "resistance to bending, one number or [[11,12],[21,22]]").at_least(0);
-    d("form", &Parameters::form, "", "of ∂_ij(β_ij n): as it stands, or expanded by Weingarten's formula (22)")
+    d("xi", &Parameters::xi, "N·m", "resistance to bending, one number or [[11,12],[21,22]]")
+        .at_least(0);
+    d("form", &Parameters::form, "",
+      "of ∂_ij(β_ij n): as it stands, or expanded by Weingarten's formula (22)")
         .one_of({"divergence", "expanded"});
     d("normal", &Parameters::normal, "", "the estimator of n");
   }
 };
 
-/// ½ Σ xi_ij (B_ij − B⁰_ij)², and of its gradient the part that the paper keeps, e = Σ ∂_ij(β_ij n) (19) with
-/// β_ij = xi_ij (B_ij − B⁰_ij) (20), for any normal estimator.
+/// ½ Σ xi_ij (B_ij − B⁰_ij)², and of its gradient the part that the paper keeps, e = Σ ∂_ij(β_ij n)
+/// (19) with β_ij = xi_ij (B_ij − B⁰_ij) (20), for any normal estimator.
 class Bending final : public JetTerm {
  public:
   Bending(const Parameters& p, const Setup& setup)
-      : xi_(p.xi), normal_(setup.create<NormalEstimator>(p.normal)), expanded_(p.form == "expanded") {}
+      : xi_(p.xi),
+        normal_(setup.create<NormalEstimator>(p.normal)),
+        expanded_(p.form == "expanded") {}
 
   [[nodiscard]] TermTraits traits() const override {
     const bool symmetric = !expanded_ && normal_->dependence() != Dependence::jet;
@@ -51,7 +55,8 @@ class Bending final : public JetTerm {
   }
 
   void affine_stress(const SampleBlock& block, const AffineStress& sigma) const override {
-    for (const Pair ij : kPairs) expanded_ ? add_expanded(block, ij, sigma) : add_divergence(block, ij, sigma);
+    for (const Pair ij : kPairs)
+      expanded_ ? add_expanded(block, ij, sigma) : add_divergence(block, ij, sigma);
   }
 
   [[nodiscard]] int auxiliary_fields() const override { return expanded_ ? 3 : 0; }
@@ -104,8 +109,8 @@ class Bending final : public JetTerm {
     add_normal(block, ij, beta_ij, sigma, channel(second(ij)));
   }
 
-  /// (22): D_ij^-(β_ij) n_ij + Σ_k D_j^-(β_ij) d_ki r_k + D_i^-(β_ij Σ_k d_kj r_k). The first two act at the
-  /// sample itself (channel d0), the third through −D_i^-, hence its sign.
+  /// (22): D_ij^-(β_ij) n_ij + Σ_k D_j^-(β_ij) d_ki r_k + D_i^-(β_ij Σ_k d_kj r_k). The first two
+  /// act at the sample itself (channel d0), the third through −D_i^-, hence its sign.
   void add_expanded(const SampleBlock& block, Pair ij, const AffineStress& sigma) const {
     const auto size = static_cast<std::size_t>(block.size());
     Numbers beta_numbers, difference_numbers;

@@ -6,13 +6,15 @@ using namespace deform;
 struct Parameters {
   PairWeights xi = PairWeights::all(1e-6);
   static void declare(Declaration<Parameters>& d) {
-    d("xi", &Parameters::xi, "N·m", "resistance to bending, one number or [[11,12],[21,22]]").at_least(0);
+    d("xi", &Parameters::xi, "N·m", "resistance to bending, one number or [[11,12],[21,22]]")
+        .at_least(0);
   }
 };
 
-/// ½ Σ xi_ij (B_ij − B⁰_ij)² with its whole gradient: δB_ij = n·L_ij δr with L_ij = D_ij − Γ^k_ij D_k, so the
-/// force is −Σ L_ijᵀ A β_ij n, and β_ij n = xi_ij (L_ij r − B⁰_ij n) as L_ij r = B_ij n: no division by B.
-/// Lagging Γ and n leaves the symmetric positive semidefinite operator Σ L_ijᵀ A xi_ij L_ij.
+/// ½ Σ xi_ij (B_ij − B⁰_ij)² with its whole gradient: δB_ij = n·L_ij δr with L_ij = D_ij − Γ^k_ij
+/// D_k, so the force is −Σ L_ijᵀ A β_ij n, and β_ij n = xi_ij (L_ij r − B⁰_ij n) as L_ij r = B_ij
+/// n: no division by B. Lagging Γ and n leaves the symmetric positive semidefinite operator Σ L_ijᵀ
+/// A xi_ij L_ij.
 class BendingVariational final : public JetTerm {
  public:
   BendingVariational(const Parameters& p, const Setup& /*setup*/) : xi_(p.xi) {}
@@ -32,15 +34,9 @@ class BendingVariational final : public JetTerm {
 
   [[nodiscard]] std::vector<Coupling> couplings() const override {
     std::vector<Coupling> all;
-    for (const Derivative i : {Derivative::d1, Derivative::d2})
-      for (const Derivative j : {Derivative::d1, Derivative::d2}) all.emplace_back(channel(i), j);
-    for (const Pair ij : kPairs) {
-      all.emplace_back(channel(second(ij)), second(ij));
-      for (const Derivative k : {Derivative::d1, Derivative::d2}) {
-        all.emplace_back(channel(second(ij)), k);
-        all.emplace_back(channel(k), second(ij));
-      }
-    }
+    for (const Pair ij : kPairs)
+      for (const Coupling& c : couplings_among({second(ij), Derivative::d1, Derivative::d2}))
+        all.push_back(c);
     return all;
   }
 
@@ -49,8 +45,8 @@ class BendingVariational final : public JetTerm {
   }
 
  private:
-  /// Rows and columns of L_ijᵀ xi_ij L_ij and L_ijᵀ (−xi_ij B⁰_ij n) in the basis (D_ij, D_1, D_2), in which
-  /// L_ij is (1, −Γ¹_ij, −Γ²_ij).
+  /// Rows and columns of L_ijᵀ xi_ij L_ij and L_ijᵀ (−xi_ij B⁰_ij n) in the basis (D_ij, D_1, D_2),
+  /// in which L_ij is (1, −Γ¹_ij, −Γ²_ij).
   void add_pair(const SampleBlock& block, Pair ij, const AffineStress& sigma) const {
     const std::array<Derivative, 3> basis{second(ij), Derivative::d1, Derivative::d2};
     const double xi = multiplicity(ij) * xi_(ij);

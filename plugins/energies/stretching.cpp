@@ -6,12 +6,14 @@ using namespace deform;
 struct Parameters {
   PairWeights eta = PairWeights::all(0.01);
   static void declare(Declaration<Parameters>& d) {
-    d("eta", &Parameters::eta, "N/m", "resistance to metric variation, one number or [[11,12],[21,22]]")
+    d("eta", &Parameters::eta, "N/m",
+      "resistance to metric variation, one number or [[11,12],[21,22]]")
         .at_least(0);
   }
 };
 
-/// ¼ Σ eta_ij (G_ij − G⁰_ij)²: its force is −Σ D_iᵀ A α_ij r_j with α_ij = eta_ij (G_ij − G⁰_ij) (20).
+/// ¼ Σ eta_ij (G_ij − G⁰_ij)²: its force is −Σ D_iᵀ A α_ij r_j with α_ij = eta_ij (G_ij − G⁰_ij)
+/// (20).
 class Stretching final : public JetTerm {
  public:
   Stretching(const Parameters& p, const Setup& /*setup*/) : eta_(p.eta) {}
@@ -31,8 +33,7 @@ class Stretching final : public JetTerm {
   }
 
   [[nodiscard]] std::vector<Coupling> couplings() const override {
-    return {{Channel::d1, Derivative::d1}, {Channel::d1, Derivative::d2},
-            {Channel::d2, Derivative::d1}, {Channel::d2, Derivative::d2}};
+    return couplings_among({Derivative::d1, Derivative::d2});
   }
   void affine_stress(const SampleBlock& block, const AffineStress& sigma) const override {
     for (const int i : {1, 2})
@@ -51,4 +52,5 @@ class Stretching final : public JetTerm {
 
 DEFORM_PLUGIN(Stretching, Parameters, .name = "stretching", .version = "1.0",
               .summary = "resistance to stretching and shearing",
-              .formula = "w = ¼ Σ eta_ij (G_ij − G⁰_ij)²", .source = "Wu & Melo (19), (20), first part")
+              .formula = "w = ¼ Σ eta_ij (G_ij − G⁰_ij)²",
+              .source = "Wu & Melo (19), (20), first part")

@@ -3,17 +3,19 @@
 namespace {
 using namespace deform;
 
-/// The semi-implicit step of Terzopoulos et al. (1987) for (16), with K, c and the loads of the known state:
+/// The semi-implicit step of Terzopoulos et al. (1987) for (16), with K, c and the loads of the
+/// known state:
 ///   (K + mu/dt² + gamma/(2dt)) r⁺ = f + c + (mu/dt² + gamma/(2dt)) r + (mu/dt − gamma/2) v,
-/// v = (r − r⁻)/dt. As the internal force is c − K r, it is solved for the increment r⁺ − r, whose right-hand
-/// side is the total force: the same step, less rounding.
+/// v = (r − r⁻)/dt. As the internal force is c − K r, it is solved for the increment r⁺ − r, whose
+/// right-hand side is the total force: the same step, less rounding.
 class SemiImplicit final : public Integrator {
  public:
   SemiImplicit(const NoParameters& /*parameters*/, const Setup& /*setup*/) {}
 
   void advance(System& system, State& state, double step) override {
     system.evaluate_with_operator(state);
-    // Force fields with a scalar damping tangent take it implicitly: f(v⁺) = f(v) − c (v⁺ − v), v⁺ = Δr/dt.
+    // Force fields with a scalar damping tangent take it implicitly: f(v⁺) = f(v) − c (v⁺ − v), v⁺
+    // = Δr/dt.
     const NodeValues& c = system.force_damping();
     diagonal_ = system.mass() / (step * step) + system.damping() / (2 * step) + c / step;
     momentum_ = system.mass() / step - system.damping() / 2 + c;

@@ -1,6 +1,6 @@
-#include <deform/model/normal_estimator.h>
-
 #include <algorithm>
+
+#include <deform/model/normal_estimator.h>
 
 namespace {
 using namespace deform;

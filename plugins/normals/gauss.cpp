@@ -1,7 +1,6 @@
-#include <deform/model/normal_estimator.h>
-
 #include <cmath>
 
+#include <deform/model/normal_estimator.h>
 #include <deform/surface/surface.h>
 
 namespace {
@@ -15,7 +14,8 @@ struct Parameters {
         .at_least(0)
         .may_be_infinite();
     d("delta_unit", &Parameters::delta_unit, "",
-      "absolute; or delta is a number: times 1/size (root of the parameter area) or 1/cell (root of "
+      "absolute; or delta is a number: times 1/size (root of the parameter area) or 1/cell (root "
+      "of "
       "the mean node's)")
         .one_of({"absolute", "size", "cell"});
   }
@@ -28,15 +28,17 @@ double delta_length(const std::string& unit, const Setup& setup) {
   return std::sqrt(unit == "size" ? area : area / static_cast<double>(setup.surface().nodes()));
 }
 
-/// Gauss' formula (9) solved for n, with B_ij and Γ^k_ij of the previous state. Conventions where the paper is
-/// silent: |B_ij| = delta belongs to (25), (26); at B_ij = 0 the estimate is 0, which alone is mirror symmetric.
+/// Gauss' formula (9) solved for n, with B_ij and Γ^k_ij of the previous state. Conventions where
+/// the paper is silent: |B_ij| = delta belongs to (25), (26); at B_ij = 0 the estimate is 0, which
+/// alone is mirror symmetric.
 class Gauss final : public NormalEstimator {
  public:
   Gauss(const Parameters& p, const Setup& setup)
       : delta_(p.delta / delta_length(p.delta_unit, setup)) {}
 
   void estimate(const GeometryBlock& lagged, Pair ij, AffineNormal& normal) const override {
-    const ConstValues B = lagged.B(ij), gamma_1 = lagged.gamma(1, ij), gamma_2 = lagged.gamma(2, ij);
+    const ConstValues B = lagged.B(ij), gamma_1 = lagged.gamma(1, ij),
+                      gamma_2 = lagged.gamma(2, ij);
     for (std::size_t s = 0; s < B.size(); ++s) {
       const double w = std::abs(B[s]) > delta_ ? 1 / B[s] : sign(B[s]);  // (24); (25), (26)
       normal.p[s] = w;

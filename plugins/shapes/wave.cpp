@@ -1,7 +1,7 @@
-#include <deform/surface/shape.h>
-
 #include <cmath>
 #include <numbers>
+
+#include <deform/surface/shape.h>
 
 namespace {
 using namespace deform;
@@ -13,7 +13,9 @@ struct Parameters {
   static void declare(Declaration<Parameters>& d) {
     d("amplitude", &Parameters::amplitude, "m", "height of a crest above the middle plane");
     d("wavelength", &Parameters::wavelength, "m", "from crest to crest").above(0);
-    d("along", &Parameters::along, "", "parameter along which the wave runs, 1 or 2").at_least(1).at_most(2);
+    d("along", &Parameters::along, "", "parameter along which the wave runs, 1 or 2")
+        .at_least(1)
+        .at_most(2);
     d("origin", &Parameters::origin, "m", "where a1 = a2 = 0 is, less the wave");
   }
 };
@@ -23,11 +25,13 @@ class Wave final : public Shape {
  public:
   Wave(const Parameters& p, const Setup& /*setup*/) : p_(p) {}
 
-  [[nodiscard]] NodeVectors positions(const Eigen::MatrixX2d& parameters, const Vec2& /*size*/) const override {
+  [[nodiscard]] NodeVectors positions(const Eigen::MatrixX2d& parameters,
+                                      const Vec2& /*size*/) const override {
     NodeVectors r(parameters.rows(), 3);
     for (Index a = 0; a < r.rows(); ++a) {
       const double phase = 2 * std::numbers::pi * parameters(a, p_.along - 1) / p_.wavelength;
-      r.row(a) = p_.origin + Vec3(parameters(a, 0), parameters(a, 1), p_.amplitude * std::cos(phase));
+      r.row(a) =
+          p_.origin + Vec3(parameters(a, 0), parameters(a, 1), p_.amplitude * std::cos(phase));
     }
     return r;
   }

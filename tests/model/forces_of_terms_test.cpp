@@ -1,10 +1,11 @@
-/// Every energy term against finite differences of its energy, rigid motions, momenta, and the rule of the
-/// lagged operator.
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
+/// Every energy term against finite differences of its energy, rigid motions, momenta, and the rule
+/// of the lagged operator.
 #include <cmath>
 #include <numbers>
 #include <random>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include "model/support/simulate.h"
 
@@ -19,8 +20,10 @@ std::string scene(const std::string& energy, const std::string& grid, const std:
          R"(], "integrator": {"plugin": "semi_implicit", "step": 0.01}, "duration": 0.01})";
 }
 
-const std::string kOneSided = R"("differences": "forward", "border": "one_sided", "weights": "equal")";
-const std::string kCentral = R"("differences": "central", "border": "one_sided", "weights": "area")";
+const std::string kOneSided =
+    R"("differences": "forward", "border": "one_sided", "weights": "equal")";
+const std::string kCentral =
+    R"("differences": "central", "border": "one_sided", "weights": "area")";
 const std::string kPaper = R"("differences": "forward", "border": "paper", "weights": "equal")";
 const std::string kFlat = R"({"plugin": "flat"})";
 const std::string kArc = R"({"plugin": "arc", "radius": 0.5})";
@@ -30,8 +33,10 @@ std::string bending(const std::string& normal, const std::string& form) {
   return R"({"plugin": "bending", "xi": [[2e-4, 1e-4], [1e-4, 3e-4]], "form": ")" + form +
          R"(", "normal": )" + normal + "}";
 }
-const std::string kStretching = R"({"plugin": "stretching", "eta": [[0.02, 0.005], [0.005, 0.01]]})";
-const std::string kVariational = R"({"plugin": "bending_variational", "xi": [[2e-4, 1e-4], [1e-4, 3e-4]]})";
+const std::string kStretching =
+    R"({"plugin": "stretching", "eta": [[0.02, 0.005], [0.005, 0.01]]})";
+const std::string kVariational =
+    R"({"plugin": "bending_variational", "xi": [[2e-4, 1e-4], [1e-4, 3e-4]]})";
 const std::string kSprings = R"({"plugin": "edge_springs", "stiffness": 2.0})";
 const std::string kGauss = R"({"plugin": "gauss", "delta": 0})";
 const std::string kExact = R"({"plugin": "exact"})";
@@ -44,7 +49,8 @@ State disturbed(Simulation& s, double strain) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (Index a = 0; a < state.r.rows(); ++a) {
     const Vec3 r = state.r.row(a);
-    const Vec3 smooth(0.3 * std::sin(2 * r.y()), 0.2 * std::cos(3 * r.x()), std::sin(3 * r.x() + r.y()));
+    const Vec3 smooth(0.3 * std::sin(2 * r.y()), 0.2 * std::cos(3 * r.x()),
+                      std::sin(3 * r.x() + r.y()));
     for (int c = 0; c < 3; ++c) state.r(a, c) += strain * (smooth[c] + 0.02 * uniform(random));
   }
   return state;
@@ -79,19 +85,21 @@ TEST_P(PotentialTest, ForceIsMinusTheGradientOfTheEnergy) {
   RecordProperty("relative_error", std::to_string(error));
 }
 
-INSTANTIATE_TEST_SUITE_P(Terms, PotentialTest,
-                         testing::Values(PotentialCase{"stretching", kStretching, kOneSided, kFlat},
-                                         PotentialCase{"stretching_arc", kStretching, kOneSided, kArc},
-                                         PotentialCase{"stretching_central", kStretching, kCentral, kSphere},
-                                         PotentialCase{"stretching_paper", kStretching, kPaper, kFlat},
-                                         PotentialCase{"variational", kVariational, kOneSided, kFlat},
-                                         PotentialCase{"variational_arc", kVariational, kOneSided, kArc},
-                                         PotentialCase{"variational_sphere", kVariational, kOneSided, kSphere},
-                                         PotentialCase{"variational_central", kVariational, kCentral, kArc},
-                                         PotentialCase{"springs", kSprings, kOneSided, kArc}),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Terms, PotentialTest,
+    testing::Values(PotentialCase{"stretching", kStretching, kOneSided, kFlat},
+                    PotentialCase{"stretching_arc", kStretching, kOneSided, kArc},
+                    PotentialCase{"stretching_central", kStretching, kCentral, kSphere},
+                    PotentialCase{"stretching_paper", kStretching, kPaper, kFlat},
+                    PotentialCase{"variational", kVariational, kOneSided, kFlat},
+                    PotentialCase{"variational_arc", kVariational, kOneSided, kArc},
+                    PotentialCase{"variational_sphere", kVariational, kOneSided, kSphere},
+                    PotentialCase{"variational_central", kVariational, kCentral, kArc},
+                    PotentialCase{"springs", kSprings, kOneSided, kArc}),
+    [](const auto& test) { return test.param.name; });
 
-/// With the paper's mixed frame at the border the variational force is not a gradient: the check can fail.
+/// With the paper's mixed frame at the border the variational force is not a gradient: the check
+/// can fail.
 TEST(Potential, VariationalForceIsNoGradientOnAMixedFrame) {
   Simulation s = simulation_from_text(scene(kVariational, kPaper, kArc));
   State state = disturbed(s, 0.1);
@@ -129,10 +137,14 @@ TEST_P(RigidMotionTest, GivesNoForce) {
 
 std::vector<RigidCase> rigid_cases() {
   std::vector<RigidCase> cases;
-  for (const auto& [rest_name, rest] : {std::pair{"flat", kFlat}, {"arc", kArc}, {"sphere", kSphere}})
+  for (const auto& [rest_name, rest] :
+       {std::pair{"flat", kFlat}, {"arc", kArc}, {"sphere", kSphere}})
     for (const auto& [name, energy] :
-         {std::pair{"stretching", kStretching}, {"variational", kVariational}, {"springs", kSprings},
-          {"gauss_divergence", bending(kGauss, "divergence")}, {"gauss_expanded", bending(kGauss, "expanded")},
+         {std::pair{"stretching", kStretching},
+          {"variational", kVariational},
+          {"springs", kSprings},
+          {"gauss_divergence", bending(kGauss, "divergence")},
+          {"gauss_expanded", bending(kGauss, "expanded")},
           {"exact_divergence", bending(kExact, "divergence")},
           {"terzopoulos_divergence", bending(kTerzopoulos, "divergence")}})
       cases.push_back({std::string(name) + "_" + rest_name, energy, rest});
@@ -164,8 +176,9 @@ Momenta momenta(const std::string& energy, const std::string& grid, const std::s
 
 TEST(Momenta, AreThoseOfEachForm) {
   constexpr double kZero = 1e-12, kNot = 1e-6;
-  const auto expect = [&](const std::string& name, const std::string& energy, const std::string& grid,
-                          const std::string& rest, bool force_free, bool torque_free) {
+  const auto expect = [&](const std::string& name, const std::string& energy,
+                          const std::string& grid, const std::string& rest, bool force_free,
+                          bool torque_free) {
     const Momenta m = momenta(energy, grid, rest);
     EXPECT_EQ(m.force < kZero, force_free) << name << " Σf " << m.force;
     EXPECT_EQ(m.force > kNot, !force_free) << name << " Σf " << m.force;
@@ -185,8 +198,8 @@ TEST(Momenta, AreThoseOfEachForm) {
     expect("variational", kVariational, kOneSided, rest, true, true);
     expect("variational", kVariational, kCentral, rest, true, true);
   }
-  // The torque of a sample is L r × xi (L r − B⁰ n) = −xi B⁰ L r × n: on the mixed frame's border rows L r is
-  // not B n, so it is there as soon as B⁰ is.
+  // The torque of a sample is L r × xi (L r − B⁰ n) = −xi B⁰ L r × n: on the mixed frame's border
+  // rows L r is not B n, so it is there as soon as B⁰ is.
   expect("variational, mixed frame", kVariational, kPaper, kArc, true, false);
   expect("variational, mixed frame, flat rest", kVariational, kPaper, kFlat, true, true);
 }
@@ -195,8 +208,8 @@ TEST(LaggedOperator, GivesTheForceAtItsOwnState) {
   for (const std::string& grid : {kPaper, kOneSided, kCentral})
     for (const std::string& rest : {kFlat, kArc})
       for (const std::string& energy :
-           {kStretching, kVariational, kSprings, bending(kGauss, "divergence"), bending(kGauss, "expanded"),
-            bending(kExact, "divergence"), bending(kExact, "expanded"),
+           {kStretching, kVariational, kSprings, bending(kGauss, "divergence"),
+            bending(kGauss, "expanded"), bending(kExact, "divergence"), bending(kExact, "expanded"),
             bending(kTerzopoulos, "divergence"), bending(kTerzopoulos, "expanded")}) {
         Simulation s = simulation_from_text(scene(energy, grid, rest));
         const State state = disturbed(s, 0.05);
@@ -211,7 +224,8 @@ TEST(LaggedOperator, GivesTheForceAtItsOwnState) {
 }
 
 TEST(LaggedOperator, IsSymmetricAndSemidefiniteWherePromised) {
-  for (const std::string& energy : {kStretching, kVariational, kSprings, bending(kTerzopoulos, "divergence")}) {
+  for (const std::string& energy :
+       {kStretching, kVariational, kSprings, bending(kTerzopoulos, "divergence")}) {
     Simulation s = simulation_from_text(scene(energy, kPaper, kArc));
     const TermTraits traits = s.system().energies().front().object->traits();
     ASSERT_EQ(traits.lagged, Lagged::symmetric) << energy;
@@ -228,8 +242,8 @@ TEST(LaggedOperator, IsSymmetricAndSemidefiniteWherePromised) {
   }
 }
 
-/// A curved strip pressed flat: no bending force under the fallback, which vanishes with B (theory of the
-/// delta rule); the exact normal and the variational form push back.
+/// A curved strip pressed flat: no bending force under the fallback, which vanishes with B (theory
+/// of the delta rule); the exact normal and the variational form push back.
 TEST(DeltaFallback, HasNoForceOnAFlattenedCurvedStrip) {
   const auto force = [](const std::string& energy) {
     Simulation s = simulation_from_text(scene(energy, kPaper, kArc));

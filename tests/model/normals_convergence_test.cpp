@@ -1,11 +1,13 @@
-/// Angle errors of the normal estimators on known surfaces at three resolutions: orders, and the identity that
-/// Gauss' formula gives the cross product's direction. `--gtest_filter=*Table*` prints the whole table.
+/// Angle errors of the normal estimators on known surfaces at three resolutions: orders, and the
+/// identity that Gauss' formula gives the cross product's direction. `--gtest_filter=*Table*`
+/// prints the whole table.
 #include <cmath>
 #include <cstdio>
 #include <functional>
 #include <numbers>
 
 #include "deform/surface/surface.h"
+
 #include "model/support/simulate.h"
 
 namespace deform {
@@ -38,19 +40,24 @@ std::vector<KnownSurface> known_surfaces() {
   const auto cylinder = [R](double angle, double v) {
     return Vec3(R * std::sin(angle), v, R * std::cos(angle));
   };
-  const auto uneven = [](double u) { return 1.4 * (u + 0.15 * std::sin(2 * std::numbers::pi * u)); };
+  const auto uneven = [](double u) {
+    return 1.4 * (u + 0.15 * std::sin(2 * std::numbers::pi * u));
+  };
   return {
-      {"sphere patch", [=](double u, double v) -> Vec3 { return R * sphere_normal(u, v); }, sphere_normal},
+      {"sphere patch", [=](double u, double v) -> Vec3 { return R * sphere_normal(u, v); },
+       sphere_normal},
       {"cylinder", [=](double u, double v) { return cylinder(u / R, v); },
        [=](double u, double) { return Vec3(std::sin(u / R), 0, std::cos(u / R)); }},
       {"uneven cylinder", [=](double u, double v) { return cylinder(uneven(u), v); },
        [=](double u, double) { return Vec3(std::sin(uneven(u)), 0, std::cos(uneven(u))); }},
-      graph("paraboloid", [](double x, double y) { return .5 * x * x + .8 * y * y + .3 * x * y; },
-            [](double x, double y) { return Vec2(x + .3 * y, 1.6 * y + .3 * x); }),
-      graph("saddle", [](double x, double y) { return .7 * (x * x - y * y) + .4 * x * x * x * y; },
-            [](double x, double y) {
-              return Vec2(1.4 * x + 1.2 * x * x * y, -1.4 * y + .4 * x * x * x);
-            })};
+      graph(
+          "paraboloid", [](double x, double y) { return .5 * x * x + .8 * y * y + .3 * x * y; },
+          [](double x, double y) { return Vec2(x + .3 * y, 1.6 * y + .3 * x); }),
+      graph(
+          "saddle", [](double x, double y) { return .7 * (x * x - y * y) + .4 * x * x * x * y; },
+          [](double x, double y) {
+            return Vec2(1.4 * x + 1.2 * x * x * y, -1.4 * y + .4 * x * x * x);
+          })};
 }
 
 /// A grid, its samples, and the geometry of a known surface on it.
@@ -62,9 +69,11 @@ struct Discretised {
 };
 
 std::shared_ptr<Plugin> make(PluginKind kind, const std::string& name,
-                             const std::shared_ptr<ParameterValues>& values, const Surface* surface) {
+                             const std::shared_ptr<ParameterValues>& values,
+                             const Surface* surface) {
   const auto registry = test::built_in();
-  Setup setup([registry](const PluginUse& use, const Setup& s) { return registry->create(use, s); });
+  Setup setup(
+      [registry](const PluginUse& use, const Setup& s) { return registry->create(use, s); });
   static const NodeVectors none;
   if (surface != nullptr) setup.with_surface(*surface, none);
   return registry->create({kind, name, values, ""}, setup);
@@ -77,7 +86,8 @@ Discretised discretise(const KnownSurface& known, std::int64_t n, const std::str
   values->set("differences", scheme);
   values->set("border", border);
   Discretised d;
-  d.surface = std::dynamic_pointer_cast<Surface>(make(PluginKind::surface, "grid", values, nullptr));
+  d.surface =
+      std::dynamic_pointer_cast<Surface>(make(PluginKind::surface, "grid", values, nullptr));
   const auto& a = d.surface->parameters();
   d.r.resize(a.rows(), 3);
   for (Index i = 0; i < a.rows(); ++i) d.r.row(i) = known.r(a(i, 0), a(i, 1));
@@ -86,20 +96,22 @@ Discretised discretise(const KnownSurface& known, std::int64_t n, const std::str
   return d;
 }
 
-std::shared_ptr<NormalEstimator> estimator(const std::string& name, double delta, const Surface& surface) {
+std::shared_ptr<NormalEstimator> estimator(const std::string& name, double delta,
+                                           const Surface& surface) {
   auto values = std::make_shared<ParameterValues>();
   if (name == "gauss") values->set("delta", delta);
-  return std::dynamic_pointer_cast<NormalEstimator>(make(PluginKind::normal, name, values, &surface));
+  return std::dynamic_pointer_cast<NormalEstimator>(
+      make(PluginKind::normal, name, values, &surface));
 }
 
 double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
-/// Largest angle over the samples where r_ij is there and |B_ij| > delta, to the true normal or to the set's
-/// own exact one. A negative B turns Terzopoulos' r_ij round: the smaller angle to the undirected line counts
-/// here, as the table speaks of directions.
+/// Largest angle over the samples where r_ij is there and |B_ij| > delta, to the true normal or to
+/// the set's own exact one. A negative B turns Terzopoulos' r_ij round: the smaller angle to the
+/// undirected line counts here, as the table speaks of directions.
 enum class Against { truth, exact };
-double largest_angle(const Discretised& d, const KnownSurface& known, const std::string& name, Pair ij,
-                     Against against, double delta = 1e-3) {
+double largest_angle(const Discretised& d, const KnownSurface& known, const std::string& name,
+                     Pair ij, Against against, double delta = 1e-3) {
   const auto normal = estimator(name, 0, *d.surface);
   double worst = 0;
   for (Index first = 0; first < d.geometry.size(); first += kBlock) {
@@ -116,8 +128,9 @@ double largest_angle(const Discretised& d, const KnownSurface& known, const std:
       const Vec2 a = d.samples().parameters()[static_cast<std::size_t>(sample)];
       const Vec3 to = against == Against::truth ? known.n(a.x(), a.y()) : Vec3(block.n()[s]);
       const double measured = angle(estimate.at(s, block, ij), to);
-      worst = std::max(worst, name == "terzopoulos" ? std::min(measured, std::numbers::pi - measured)
-                                                    : measured);
+      worst =
+          std::max(worst, name == "terzopoulos" ? std::min(measured, std::numbers::pi - measured)
+                                                : measured);
     }
   }
   return worst;
@@ -161,16 +174,17 @@ TEST(Orders, ForwardFrameOnASpherePatch) {
   const KnownSurface sphere = known_surfaces().front();
   const std::array<std::pair<std::int64_t, double>, 3> table{{{17, 3.04}, {33, 1.52}, {65, 0.76}}};
   for (const auto& [n, degrees] : table)
-    EXPECT_NEAR(largest_angle(discretise(sphere, n, "forward", "one_sided"), sphere, "exact", Pair::p11,
-                              Against::truth) / kDegree,
+    EXPECT_NEAR(largest_angle(discretise(sphere, n, "forward", "one_sided"), sphere, "exact",
+                              Pair::p11, Against::truth) /
+                    kDegree,
                 degrees, 0.005);
 }
 
 /// The whole table, for docs/verification.md.
 TEST(NormalsTable, PrintsAngleErrors) {
   std::printf("\nlargest angle to the true normal [degree], border one_sided\n");
-  std::printf("%-16s %-8s %-12s %-3s %10s %10s %10s %6s\n", "surface", "scheme", "estimator", "ij", "17²",
-              "33²", "65²", "order");
+  std::printf("%-16s %-8s %-12s %-3s %10s %10s %10s %6s\n", "surface", "scheme", "estimator", "ij",
+              "17²", "33²", "65²", "order");
   for (const KnownSurface& known : known_surfaces())
     for (const char* scheme : {"forward", "central"}) {
       const std::array<Discretised, 3> grids{discretise(known, 17, scheme, "one_sided"),
@@ -183,8 +197,8 @@ TEST(NormalsTable, PrintsAngleErrors) {
             e[g] = largest_angle(grids[g], known, name, ij, Against::truth) / kDegree;
           const char* pair_name = ij == Pair::p11 ? "11" : ij == Pair::p12 ? "12" : "22";
           if (e[2] == 0) continue;  // B_ij = 0 everywhere: no direction
-          std::printf("%-16s %-8s %-12s %-3s %10.3e %10.3e %10.3e %6.2f\n", known.name.c_str(), scheme,
-                      name, pair_name, e[0], e[1], e[2], std::log2(e[1] / e[2]));
+          std::printf("%-16s %-8s %-12s %-3s %10.3e %10.3e %10.3e %6.2f\n", known.name.c_str(),
+                      scheme, name, pair_name, e[0], e[1], e[2], std::log2(e[1] / e[2]));
         }
     }
 }

@@ -16,7 +16,7 @@ double in_plane_displacement(Simulation& s) {
 
 struct SheetP {
   std::string variant;
-  double lowest, in_plane;       // to the digits of the published table
+  double lowest, in_plane;              // to the digits of the published table
   double exact_lowest, exact_in_plane;  // of the independent implementation
 };
 
@@ -35,26 +35,25 @@ TEST_P(SheetPTest, AgreesWithTheTableAndTheIndependentImplementation) {
 
 INSTANTIATE_TEST_SUITE_P(
     Table, SheetPTest,
-    testing::Values(
-        SheetP{"terzopoulos_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
-        SheetP{"gauss_expanded_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
-        SheetP{"gauss_divergence_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
-        SheetP{"exact_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
-        SheetP{"variational_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
-        SheetP{"terzopoulos_1e-6", -.1967, 4.2e-2, -.19667836, 4.151296e-2},
-        SheetP{"gauss_expanded_1e-6", -.2444, 1.85e-2, -.24440033, 1.846282e-2},
-        SheetP{"gauss_divergence_1e-6", -.2444, 1.87e-2, -.24435396, 1.873506e-2},
-        SheetP{"exact_1e-6", -.2444, 1.87e-2, -.24435155, 1.873298e-2},
-        SheetP{"variational_1e-6", -.2447, 1.88e-2, -.24468373, 1.879567e-2},
-        SheetP{"gauss_expanded_1e-5", -.2380, 1.31e-2, -.23798057, 1.309467e-2},
-        SheetP{"gauss_divergence_1e-5", -.2390, 1.48e-2, -.23902192, 1.483097e-2},
-        SheetP{"exact_1e-5", -.2391, 1.48e-2, -.23907440, 1.483753e-2},
-        SheetP{"variational_1e-5", -.2435, 1.59e-2, -.24348481, 1.591129e-2},
-        SheetP{"gauss_divergence_1e-4", -.1734, 1.19e-2, -.17341136, 1.189861e-2},
-        SheetP{"exact_1e-4", -.1733, 1.25e-2, -.17329414, 1.254318e-2},
-        SheetP{"variational_1e-4", -.2082, 2.39e-2, -.20822730, 2.393371e-2},
-        SheetP{"gauss_divergence_1e-3", -.0773, 8.7e-3, -.07730862, 8.741053e-3},
-        SheetP{"variational_1e-3", -.0686, 7.1e-3, -.06862919, 7.139485e-3}),
+    testing::Values(SheetP{"terzopoulos_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
+                    SheetP{"gauss_expanded_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
+                    SheetP{"gauss_divergence_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
+                    SheetP{"exact_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
+                    SheetP{"variational_0", -.2447, 1.887e-2, -.24473139, 1.886671e-2},
+                    SheetP{"terzopoulos_1e-6", -.1967, 4.2e-2, -.19667836, 4.151296e-2},
+                    SheetP{"gauss_expanded_1e-6", -.2444, 1.85e-2, -.24440033, 1.846282e-2},
+                    SheetP{"gauss_divergence_1e-6", -.2444, 1.87e-2, -.24435396, 1.873506e-2},
+                    SheetP{"exact_1e-6", -.2444, 1.87e-2, -.24435155, 1.873298e-2},
+                    SheetP{"variational_1e-6", -.2447, 1.88e-2, -.24468373, 1.879567e-2},
+                    SheetP{"gauss_expanded_1e-5", -.2380, 1.31e-2, -.23798057, 1.309467e-2},
+                    SheetP{"gauss_divergence_1e-5", -.2390, 1.48e-2, -.23902192, 1.483097e-2},
+                    SheetP{"exact_1e-5", -.2391, 1.48e-2, -.23907440, 1.483753e-2},
+                    SheetP{"variational_1e-5", -.2435, 1.59e-2, -.24348481, 1.591129e-2},
+                    SheetP{"gauss_divergence_1e-4", -.1734, 1.19e-2, -.17341136, 1.189861e-2},
+                    SheetP{"exact_1e-4", -.1733, 1.25e-2, -.17329414, 1.254318e-2},
+                    SheetP{"variational_1e-4", -.2082, 2.39e-2, -.20822730, 2.393371e-2},
+                    SheetP{"gauss_divergence_1e-3", -.0773, 8.7e-3, -.07730862, 8.741053e-3},
+                    SheetP{"variational_1e-3", -.0686, 7.1e-3, -.06862919, 7.139485e-3}),
     [](const auto& test) {
       std::string name = test.param.variant;
       std::replace(name.begin(), name.end(), '-', '_');

@@ -1,8 +1,8 @@
-/// Mirror symmetry: a scene reflected at z = 0 must give the reflected states; and equal bits whatever the
-/// number of threads and the order in which plugins are loaded.
-#include <tbb/global_control.h>
-
+/// Mirror symmetry: a scene reflected at z = 0 must give the reflected states; and equal bits
+/// whatever the number of threads and the order in which plugins are loaded.
 #include <cstring>
+
+#include <tbb/global_control.h>
 
 #include "model/support/simulate.h"
 
@@ -28,7 +28,8 @@ double mirror_asymmetry(Simulation& s) {
 }
 
 TEST(Mirror, ImageOfARunIsTheRunOfTheImage) {
-  for (const char* variant : {"gauss_expanded_1e-5", "gauss_divergence_1e-5", "exact_1e-5", "variational_1e-5"}) {
+  for (const char* variant :
+       {"gauss_expanded_1e-5", "gauss_divergence_1e-5", "exact_1e-5", "variational_1e-5"}) {
     Simulation s = simulation_of("benchmarks/sheet_p.json", variant);
     EXPECT_LE(mirror_asymmetry(s), 1e-12) << variant;
   }
@@ -71,7 +72,8 @@ TEST(Reproducibility, SameBitsWhateverTheLoadOrder) {
     std::vector<PluginFile> files = registry->files();
     if (reversed) std::ranges::reverse(files);
     for (const PluginFile& file : files) (void)registry->load(file.kind, file.name);
-    Simulation s(read_scene(test::scene_file("benchmarks/sheet_p.json"), *registry, {}, "gauss_expanded_1e-5"),
+    Simulation s(read_scene(test::scene_file("benchmarks/sheet_p.json"), *registry, {},
+                            "gauss_expanded_1e-5"),
                  registry);
     ASSERT_FALSE(run_to_end(s));
     if (!reversed) first = s.state().r;

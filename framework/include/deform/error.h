@@ -1,6 +1,7 @@
 /// The errors that cross the boundary between framework, plugins and programs.
 ///
-/// Only these and std:: exceptions may leave a plugin; anything else is reported as a plugin failure.
+/// Only these and std:: exceptions may leave a plugin; anything else is reported as a plugin
+/// failure.
 #pragma once
 
 #include <stdexcept>

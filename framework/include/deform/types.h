@@ -1,10 +1,11 @@
 /// Basic types that every public header shares.
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>  // cross products
 #include <cstdint>
 #include <span>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>  // cross products
 
 namespace deform {
 
@@ -24,7 +25,8 @@ using ConstValues = std::span<const double>;
 /// Samples and nodes are handed to plugins in blocks of at most this many.
 inline constexpr Index kBlock = 128;
 
-/// Vectors of a block as three separate component arrays (structure of arrays); a view, owns nothing.
+/// Vectors of a block as three separate component arrays (structure of arrays); a view, owns
+/// nothing.
 template <class T>
 struct VectorArray {
   T* x = nullptr;
@@ -35,14 +37,10 @@ struct VectorArray {
   [[nodiscard]] VectorArray from(Index first) const { return {x + first, y + first, z + first}; }
   [[nodiscard]] explicit operator bool() const { return x != nullptr; }
 
-  void set(Index i, const Vec3& value) const
-    requires(!std::is_const_v<T>)
-  {
+  void set(Index i, const Vec3& value) const requires(!std::is_const_v<T>) {
     x[i] = value.x(), y[i] = value.y(), z[i] = value.z();
   }
-  void add(Index i, const Vec3& value) const
-    requires(!std::is_const_v<T>)
-  {
+  void add(Index i, const Vec3& value) const requires(!std::is_const_v<T>) {
     x[i] += value.x(), y[i] += value.y(), z[i] += value.z();
   }
 };

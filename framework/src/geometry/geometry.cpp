@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "deform/surface/sample_set.h"
+
 #include "geometry/sample_geometry.h"
 #include "parallel/parallel.h"
 
@@ -24,7 +25,8 @@ std::array<Vec3, 5> jet_at(const SampleSet& samples, Index s, const NodeVectors&
 }  // namespace
 
 Geometry::Geometry(const SampleSet& samples)
-    : size_(samples.size()), data_(static_cast<std::size_t>(GeometryBlock::kFields * samples.size())) {}
+    : size_(samples.size()),
+      data_(static_cast<std::size_t>(GeometryBlock::kFields * samples.size())) {}
 
 void Geometry::compute(const SampleSet& samples, const NodeVectors& r) {
   parallel_blocks(size_, kBlock, [&](Index first, Index size) {

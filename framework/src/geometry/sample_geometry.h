@@ -1,4 +1,5 @@
-/// Geometry of a single sample from its jet; the one place where (3), (6), (8), (13) and (15) stand.
+/// Geometry of a single sample from its jet; the one place where (3), (6), (8), (13) and (15)
+/// stand.
 #pragma once
 
 #include <array>

@@ -1,9 +1,11 @@
-/// JetTerm::stress of a term that says nothing but its energy: a numerical derivative of the density.
+/// JetTerm::stress of a term that says nothing but its energy: a numerical derivative of the
+/// density.
 #include <algorithm>
 #include <array>
 #include <vector>
 
 #include "deform/model/energy_term.h"
+
 #include "geometry/sample_geometry.h"
 
 namespace deform {

@@ -17,13 +17,17 @@ void reflect(const NodeVectors& from, NodeVectors& to) {
 }  // namespace
 
 ExternalForces::ExternalForces(const ModelParts& parts)
-    : forces_(parts.forces), areas_(parts.surface->areas()), mass_(parts.mass), mirrored_(parts.mirrored) {
+    : forces_(parts.forces),
+      areas_(parts.surface->areas()),
+      mass_(parts.mass),
+      mirrored_(parts.mirrored) {
   for (const auto& f : forces_) needs_normals_ = needs_normals_ || f.object->traits().normals;
 }
 
 /// Calls visit(force field, block of nodes) for all of both, blocks in parallel.
 template <class Visit>
-void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals, const Visit& visit) {
+void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals,
+                                  const Visit& visit) {
   const NodeVectors *r = &state.r, *v = &state.v, *n = &normals;
   if (mirrored_) {
     reflect(state.r, r_);
@@ -59,12 +63,13 @@ void ExternalForces::add_force(const State& state, const NodeVectors& normals, N
   }
 }
 
-void ExternalForces::add_tangent(const State& state, const NodeVectors& normals, NodeValues& stiffness,
-                                 NodeValues& damping) {
+void ExternalForces::add_tangent(const State& state, const NodeVectors& normals,
+                                 NodeValues& stiffness, NodeValues& damping) {
   visit_blocks(state, normals, [&](const ForceField& field, const NodeBlock& block) {
     if (!field.traits().isotropic_tangent) return;
     const auto size = static_cast<std::size_t>(block.size);
-    field.add_tangent(block, {stiffness.data() + block.first, size}, {damping.data() + block.first, size});
+    field.add_tangent(block, {stiffness.data() + block.first, size},
+                      {damping.data() + block.first, size});
   });
 }
 
@@ -72,7 +77,8 @@ double ExternalForces::potential(const State& state, const NodeVectors& normals)
   NodeValues energy = NodeValues::Zero(state.r.rows());
   visit_blocks(state, normals, [&](const ForceField& field, const NodeBlock& block) {
     if (field.traits().potential)
-      field.add_potential(block, {energy.data() + block.first, static_cast<std::size_t>(block.size)});
+      field.add_potential(block,
+                          {energy.data() + block.first, static_cast<std::size_t>(block.size)});
   });
   double sum = 0;
   for (const double e : energy) sum += e;

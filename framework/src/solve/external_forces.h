@@ -12,15 +12,24 @@ class ExternalForces {
   ExternalForces(const ModelParts& parts);
 
   [[nodiscard]] bool needs_normals() const { return needs_normals_; }
+  [[nodiscard]] const std::vector<Named<ForceField>>& fields() const { return forces_; }
+
+  // Each of these is of all fields, or of the `only` one.
+
   /// f += forces at a state; normals (N × 3) only where needed.
-  void add_force(const State& state, const NodeVectors& normals, NodeVectors& f);
+  void add_force(const State& state, const NodeVectors& normals, NodeVectors& f,
+                 const Named<ForceField>* only = nullptr);
   /// Adds the scalar tangents of the isotropic ones [N/m], [N·s/m].
-  void add_tangent(const State& state, const NodeVectors& normals, NodeValues& stiffness, NodeValues& damping);
-  [[nodiscard]] double potential(const State& state, const NodeVectors& normals);
+  void add_tangent(const State& state, const NodeVectors& normals, NodeValues& stiffness,
+                   NodeValues& damping, const Named<ForceField>* only = nullptr);
+  /// (N) Potential energy at each node [J].
+  [[nodiscard]] NodeValues potential(const State& state, const NodeVectors& normals,
+                                     const Named<ForceField>* only = nullptr);
 
  private:
   template <class Visit>
-  void visit_blocks(const State& state, const NodeVectors& normals, const Visit& visit);
+  void visit_blocks(const State& state, const NodeVectors& normals, const Named<ForceField>* only,
+                    const Visit& visit);
 
   const std::vector<Named<ForceField>> forces_;
   const NodeValues areas_;

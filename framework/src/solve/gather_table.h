@@ -1,4 +1,5 @@
-/// The transposed operators of a sample set, node by node: who gives what to a node's force and matrix row.
+/// The transposed operators of a sample set, node by node: who gives what to a node's force and
+/// matrix row.
 #pragma once
 
 #include <array>
@@ -11,9 +12,9 @@
 
 namespace deform {
 
-/// For each node a, the samples s that act on it, ascending, with the coefficients L_m[a, s] of each channel m:
-/// D_m[s, a] A_s for D_mᵀ A, and −A_a D_i^-[a, s] for the strong form's channels. Forces on nodes are then
-/// f_a = −Σ_s Σ_m L_m[a, s] σ_m[s].
+/// For each node a, the samples s that act on it, ascending, with the coefficients L_m[a, s] of
+/// each channel m: D_m[s, a] A_s for D_mᵀ A, and −A_a D_i^-[a, s] for the strong form's channels.
+/// Forces on nodes are then f_a = −Σ_s Σ_m L_m[a, s] σ_m[s].
 class GatherTable {
  public:
   using Coefficients = std::array<double, kChannels>;
@@ -28,7 +29,8 @@ class GatherTable {
   [[nodiscard]] Index nodes() const { return static_cast<Index>(begin_.size()) - 1; }
   [[nodiscard]] Row row(Index a) const {
     const auto i = static_cast<std::size_t>(a);
-    const auto begin = static_cast<std::size_t>(begin_[i]), end = static_cast<std::size_t>(begin_[i + 1]);
+    const auto begin = static_cast<std::size_t>(begin_[i]),
+               end = static_cast<std::size_t>(begin_[i + 1]);
     return {{samples_.data() + begin, end - begin}, pool_.data() + pool_begin_[i]};
   }
   /// Number of the row's first (node, sample) pair among all.

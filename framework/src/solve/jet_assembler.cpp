@@ -21,7 +21,9 @@ JetAssembler::JetAssembler(const SampleSet& samples, std::vector<Term> terms)
   std::size_t fields = 0;
   for (const Term& t : terms_) {
     if (t.traits.strong_form && samples.field_differences() == nullptr)
-      throw InputError("energy " + t.origin + " needs differences of a field of samples, which this surface does not have");
+      throw InputError(
+          "energy " + t.origin +
+          " needs differences of a field of samples, which this surface does not have");
     if (t.term->auxiliary_fields() > kMostFields)
       throw InputError("energy " + t.origin + " declares more than 8 auxiliary fields");
     std::vector<std::size_t>& numbers = of_term_.emplace_back();
@@ -31,9 +33,11 @@ JetAssembler::JetAssembler(const SampleSet& samples, std::vector<Term> terms)
       if (at == couplings_.end()) couplings_.push_back(coupling);
       if (std::ranges::find(numbers, number) == numbers.end()) numbers.push_back(number);
     }
-    // A stress may use every transposed derivative; the strong form's channels only if they are declared.
+    // A stress may use every transposed derivative; the strong form's channels only if they are
+    // declared.
     for (int m = 0; m < kDerivatives; ++m) active_[static_cast<std::size_t>(m)] = true;
-    for (const Coupling& coupling : couplings_) active_[static_cast<std::size_t>(slot(coupling.first))] = true;
+    for (const Coupling& coupling : couplings_)
+      active_[static_cast<std::size_t>(slot(coupling.first))] = true;
     fields += static_cast<std::size_t>(t.term->auxiliary_fields());
   }
   const auto m = static_cast<std::size_t>(samples.size());
@@ -109,7 +113,8 @@ void JetAssembler::evaluate_block(const Geometries& g, Part part, const Term* on
     AffineStress::CouplingTable table{};
     for (const std::size_t c : of_term_[t]) {
       const auto& [m, n] = couplings_[c];
-      table[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))] = coupling(c) + first;
+      table[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))] =
+          coupling(c) + first;
     }
     block.auxiliary = auxiliary_of_[t];
     guarded(term.origin, "computing its lagged stress",
@@ -196,13 +201,14 @@ void JetAssembler::add_operator(SparseMatrix& k) const {
   });
 }
 
-void JetAssembler::energy_density(const Term& term, const Geometries& geometries, Values density) const {
+void JetAssembler::energy_density(const Term& term, const Geometries& geometries,
+                                  Values density) const {
   parallel_blocks(samples_->size(), kBlock, [&](Index first, Index size) {
-    const Values block = density.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size));
+    const Values block =
+        density.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size));
     std::ranges::fill(block, 0.0);
-    guarded(term.origin, "computing its energy", [&] {
-      term.term->energy_density(sample_block(geometries, first, size), block);
-    });
+    guarded(term.origin, "computing its energy",
+            [&] { term.term->energy_density(sample_block(geometries, first, size), block); });
   });
 }
 

@@ -7,6 +7,7 @@
 #include "deform/model/energy_term.h"
 #include "deform/solve/sparse_matrix.h"
 #include "deform/solve/system.h"
+
 #include "solve/gather_table.h"
 
 namespace deform {
@@ -36,7 +37,8 @@ class JetAssembler {
 
   /// What to add up in `evaluate`.
   enum class Part { stress, constant };
-  /// Computes stress (or only its constant part c_m) and couplings at all samples, of all terms or of one.
+  /// Computes stress (or only its constant part c_m) and couplings at all samples, of all terms or
+  /// of one.
   void evaluate(const Geometries& geometries, Part part = Part::stress, const Term* only = nullptr);
   /// f_a −= Σ L σ of the last evaluation.
   void add_force(NodeVectors& f) const;
@@ -59,7 +61,9 @@ class JetAssembler {
   void evaluate_block(const Geometries& g, Part part, const Term* only, Index first, Index size);
   void add_affine_part(const SampleBlock& block, Part part);
   [[nodiscard]] SampleBlock sample_block(const Geometries& g, Index first, Index size) const;
-  [[nodiscard]] double* coupling(std::size_t c) { return k_.data() + static_cast<Index>(c) * samples_->size(); }
+  [[nodiscard]] double* coupling(std::size_t c) {
+    return k_.data() + static_cast<Index>(c) * samples_->size();
+  }
   [[nodiscard]] const double* coupling(std::size_t c) const {
     return k_.data() + static_cast<Index>(c) * samples_->size();
   }
@@ -79,8 +83,8 @@ class JetAssembler {
   std::vector<double> auxiliary_;                       // (fields of all terms × m)
   std::vector<std::vector<ConstValues>> auxiliary_of_;  // whole fields, a term
   static constexpr std::uint16_t kNoSlot = 0xFFFF;
-  std::vector<std::size_t> slot_begin_;                 // of each (node, sample) pair
-  std::vector<std::uint16_t> slot_;                     // column places within the node's row
+  std::vector<std::size_t> slot_begin_;  // of each (node, sample) pair
+  std::vector<std::uint16_t> slot_;      // column places within the node's row
 };
 
 template <class Visit>

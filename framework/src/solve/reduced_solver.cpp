@@ -3,13 +3,14 @@
 #include <algorithm>
 
 #include "deform/log.h"
+
 #include "plugin/guard.h"
 #include "solve/stopwatch.h"
 
 namespace deform {
 
-ReducedSolver::ReducedSolver(const Reduction& reduction, const SparseMatrix& pattern, bool symmetric,
-                             const MakeSolvers& make_solvers) {
+ReducedSolver::ReducedSolver(const Reduction& reduction, const SparseMatrix& pattern,
+                             bool symmetric, const MakeSolvers& make_solvers) {
   traits_.symmetric = symmetric;
   traits_.positive_definite = symmetric;  // inertia dominates for steps that resolve the motion
   for (int c = 0; c < 3; ++c) {
@@ -66,18 +67,21 @@ void ReducedSolver::rank_solvers(Group& group) {
   const std::string offered = group.solvers.empty() ? "none was found" : group.solvers.front().name;
   std::erase_if(group.solvers, [&](const auto& s) { return fit(s) <= 0; });
   if (group.solvers.empty())
-    throw InputError("solver: no linear solver takes this scene's " + kind + " matrix (" + offered + ")");
+    throw InputError("solver: no linear solver takes this scene's " + kind + " matrix (" + offered +
+                     ")");
   std::ranges::stable_sort(group.solvers, std::ranges::greater{}, fit);
   group.analysed.assign(group.solvers.size(), false);
-  choice_ = group.solvers.front().name + " (matrix " + kind + ", " + std::to_string(group.matrix.size) +
-            " unknowns, " + std::to_string(group.matrix.column.size()) + " entries)";
+  choice_ = group.solvers.front().name + " (matrix " + kind + ", " +
+            std::to_string(group.matrix.size) + " unknowns, " +
+            std::to_string(group.matrix.column.size()) + " entries)";
 }
 
 void ReducedSolver::factor(Group& group, const SparseMatrix& k, const NodeValues& d) {
   SparseMatrix& a = group.matrix;
   for (std::size_t p = 0; p < a.value.size(); ++p)
     a.value[p] = k.value[static_cast<std::size_t>(group.source[p])];
-  for (std::size_t q = 0; q < group.free.size(); ++q) a.value[group.diagonal[q]] += d[group.free[q]];
+  for (std::size_t q = 0; q < group.free.size(); ++q)
+    a.value[group.diagonal[q]] += d[group.free[q]];
 
   MatrixTraits traits = traits_;
   traits.size = a.size;
@@ -97,13 +101,14 @@ void ReducedSolver::factor(Group& group, const SparseMatrix& k, const NodeValues
     reasons += (reasons.empty() ? "" : "; ") + solver.name + ": " + reason;
     // Once in full: a matrix that is indefinite at one step mostly is at the next.
     if (i + 1 < group.solvers.size() && handovers_++ == 0)
-      log::warn("solver " + solver.name + " hands over to " + group.solvers[i + 1].name + ": " + reason);
+      log::warn("solver " + solver.name + " hands over to " + group.solvers[i + 1].name + ": " +
+                reason);
   }
   throw Error(ExitCode::diverged, "no linear solver could factorise the matrix (" + reasons + ")");
 }
 
-void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues& d, const NodeVectors& b,
-                          NodeVectors& x, StepTimes& times) {
+void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues& d,
+                          const NodeVectors& b, NodeVectors& x, StepTimes& times) {
   if (version != factored_version_ || d != factored_d_) {
     const Stopwatch watch(times.factorisation);
     factored_version_ = -1;

@@ -1,5 +1,5 @@
-/// Solves (K + diag(d)) x = b on the free degrees of freedom: the reduction by constraints and the choice of
-/// the linear solver.
+/// Solves (K + diag(d)) x = b on the free degrees of freedom: the reduction by constraints and the
+/// choice of the linear solver.
 #pragma once
 
 #include <functional>
@@ -21,17 +21,17 @@ class ReducedSolver {
                 const MakeSolvers& make_solvers);
 
   /// `version` changes whenever K's values do. Prescribed entries of x are given.
-  void solve(const SparseMatrix& k, long version, const NodeValues& d, const NodeVectors& b, NodeVectors& x,
-             StepTimes& times);
+  void solve(const SparseMatrix& k, long version, const NodeValues& d, const NodeVectors& b,
+             NodeVectors& x, StepTimes& times);
   [[nodiscard]] const std::string& choice() const { return choice_; }
 
  private:
   struct Group {
     std::vector<int> components;
-    std::vector<Index> free;             // nodes
-    SparseMatrix matrix;                 // free × free
-    std::vector<std::int32_t> source;    // of each value: place in K's values
-    std::vector<std::size_t> diagonal;   // place of each diagonal value
+    std::vector<Index> free;                   // nodes
+    SparseMatrix matrix;                       // free × free
+    std::vector<std::int32_t> source;          // of each value: place in K's values
+    std::vector<std::size_t> diagonal;         // place of each diagonal value
     std::vector<Named<LinearSolver>> solvers;  // best first
     std::vector<bool> analysed;
     std::size_t in_use = 0;

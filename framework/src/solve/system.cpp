@@ -43,10 +43,10 @@ struct System::Impl {
   std::vector<TupleAssembler> tuples;
   ExternalForces external;
 
-  std::array<NodeVectors, 2> known;    // positions of geometry[0] and [1]
-  std::size_t current = 0;             // which of both is that of the last updated state
-  std::optional<std::size_t> held;     // which is that of the step's start
-  NodeVectors normals;                 // at the nodes, of the current geometry
+  std::array<NodeVectors, 2> known;  // positions of geometry[0] and [1]
+  std::size_t current = 0;           // which of both is that of the last updated state
+  std::optional<std::size_t> held;   // which is that of the step's start
+  NodeVectors normals;               // at the nodes, of the current geometry
 
   NodeVectors force;
   NodeValues force_stiffness, force_damping;
@@ -84,7 +84,8 @@ void System::Impl::make_sets() {
       if (const auto jet = std::dynamic_pointer_cast<const JetTerm>(parts.energies[t].object))
         if (&parts.surface->samples(jet->role()) == set)
           terms.push_back({t, parts.energies[t].origin, jet, jet->traits()});
-    sets.push_back({JetAssembler(*set, std::move(terms)), Geometry(*set), {Geometry(*set), Geometry(*set)}});
+    sets.push_back(
+        {JetAssembler(*set, std::move(terms)), Geometry(*set), {Geometry(*set), Geometry(*set)}});
   }
 }
 

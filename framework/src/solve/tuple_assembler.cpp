@@ -22,7 +22,8 @@ TupleAssembler::TupleAssembler(std::size_t number, std::string origin,
   std::vector<Index> next(begin_.begin(), begin_.end() - 1);
   places_.resize(tuples.size());
   for (std::size_t p = 0; p < tuples.size(); ++p)
-    places_[static_cast<std::size_t>(next[static_cast<std::size_t>(tuples[p])]++)] = static_cast<Index>(p);
+    places_[static_cast<std::size_t>(next[static_cast<std::size_t>(tuples[p])]++)] =
+        static_cast<Index>(p);
 }
 
 TupleBlock TupleAssembler::block(const NodeVectors& now, const NodeVectors& lagged, Index first,
@@ -58,8 +59,10 @@ void TupleAssembler::evaluate(const NodeVectors& now, const NodeVectors& lagged,
 void TupleAssembler::add_force(NodeVectors& f) const {
   parallel_blocks(f.rows(), kBlock, [&](Index first, Index size) {
     for (Index a = first; a < first + size; ++a)
-      for (Index p = begin_[static_cast<std::size_t>(a)]; p < begin_[static_cast<std::size_t>(a) + 1]; ++p)
-        f.row(a) += force_[static_cast<std::size_t>(places_[static_cast<std::size_t>(p)])].transpose();
+      for (Index p = begin_[static_cast<std::size_t>(a)];
+           p < begin_[static_cast<std::size_t>(a) + 1]; ++p)
+        f.row(a) +=
+            force_[static_cast<std::size_t>(places_[static_cast<std::size_t>(p)])].transpose();
   });
 }
 
@@ -78,7 +81,8 @@ void TupleAssembler::bind(const SparseMatrix& pattern) {
 void TupleAssembler::add_operator(SparseMatrix& k) const {
   parallel_blocks(k.size, kBlock, [&](Index first, Index size) {
     for (Index a = first; a < first + size; ++a)
-      for (Index p = begin_[static_cast<std::size_t>(a)]; p < begin_[static_cast<std::size_t>(a) + 1]; ++p) {
+      for (Index p = begin_[static_cast<std::size_t>(a)];
+           p < begin_[static_cast<std::size_t>(a) + 1]; ++p) {
         const Index place = places_[static_cast<std::size_t>(p)] * width_;
         for (Index b = 0; b < width_; ++b)
           k.value[static_cast<std::size_t>(slot_[static_cast<std::size_t>(place + b)])] +=

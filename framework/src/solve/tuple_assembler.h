@@ -11,7 +11,8 @@ namespace deform {
 
 class TupleAssembler {
  public:
-  TupleAssembler(std::size_t number, std::string origin, std::shared_ptr<const TupleTerm> term, Index nodes);
+  TupleAssembler(std::size_t number, std::string origin, std::shared_ptr<const TupleTerm> term,
+                 Index nodes);
 
   [[nodiscard]] std::size_t number() const { return number_; }
   enum class Part { stress, constant };
@@ -30,7 +31,9 @@ class TupleAssembler {
   [[nodiscard]] double energy(const NodeVectors& r) const;
 
  private:
-  [[nodiscard]] std::size_t count() const { return term_->tuples().size() / static_cast<std::size_t>(width_); }
+  [[nodiscard]] std::size_t count() const {
+    return term_->tuples().size() / static_cast<std::size_t>(width_);
+  }
   [[nodiscard]] std::int32_t node(std::size_t t, int a) const {
     return term_->tuples()[t * static_cast<std::size_t>(width_) + static_cast<std::size_t>(a)];
   }

@@ -46,8 +46,8 @@ NodeVectors SampleSet::apply(Derivative d, const NodeVectors& v) const {
   return result;
 }
 
-/// Coefficients are shared when all their bits agree, which on a regular grid leaves one set an interior and
-/// a few a border: they stay in cache whatever the number of samples.
+/// Coefficients are shared when all their bits agree, which on a regular grid leaves one set an
+/// interior and a few a border: they stay in cache whatever the number of samples.
 struct SampleSet::Builder::Impl {
   using Coefficients = std::vector<std::array<double, kDerivatives>>;
   SampleSet set;
@@ -94,7 +94,8 @@ SampleSet SampleSet::Builder::build() {
     }
   }
   if (set.field_differences_ && !set.samples_are_nodes_)
-    throw Error(ExitCode::internal_error, "a set whose samples are not the nodes cannot difference fields");
+    throw Error(ExitCode::internal_error,
+                "a set whose samples are not the nodes cannot difference fields");
   return std::move(set);
 }
 

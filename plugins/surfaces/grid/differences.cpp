@@ -46,8 +46,8 @@ Line make_line(Index n, double h, bool periodic, Scheme scheme, Border border) {
   }
   if (periodic || border == Border::paper) return line;
 
-  // Nearest line where the difference exists; the central first difference keeps its second order by three
-  // points instead.
+  // Nearest line where the difference exists; the central first difference keeps its second order
+  // by three points instead.
   const auto last = static_cast<std::size_t>(n - 1);
   line.dd.front() = line.dd[1];
   line.dd.back() = line.dd[last - 1];

@@ -1,10 +1,11 @@
-/// Difference operators along one direction of a grid; products of two lines' make those of the surface.
+/// Difference operators along one direction of a grid; products of two lines' make those of the
+/// surface.
 #pragma once
-
-#include <deform/types.h>
 
 #include <utility>
 #include <vector>
+
+#include <deform/types.h>
 
 namespace grid {
 
@@ -16,7 +17,8 @@ enum class Border {
   one_sided,  ///< it is replaced by one that does not reach over
 };
 
-/// One row: (index along the line, coefficient), ascending; empty where the difference does not exist.
+/// One row: (index along the line, coefficient), ascending; empty where the difference does not
+/// exist.
 using Row = std::vector<std::pair<Index, double>>;
 
 /// The operators of a line of n nodes at a spacing h.

@@ -1,11 +1,10 @@
-#include <deform/surface/shape.h>
-#include <deform/surface/surface.h>
-
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <unistd.h>
+
+#include <deform/surface/shape.h>
+#include <deform/surface/surface.h>
 
 #include "differences.h"
 
@@ -39,7 +38,8 @@ struct Parameters {
   }
 };
 
-/// Bytes that a run needs for each node, roughly: operators, geometry of three states, matrix and factor.
+/// Bytes that a run needs for each node, roughly: operators, geometry of three states, matrix and
+/// factor.
 constexpr double kBytesPerNode = 6e3;
 
 /// Rectangular grid with the paper's differences; its samples are its nodes.
@@ -96,14 +96,16 @@ class Grid final : public Surface {
   static void check_size(const Parameters& p) {
     const double count = static_cast<double>(p.nodes[0]) * static_cast<double>(p.nodes[1]);
     const double bytes = count * kBytesPerNode;
-    const double memory = static_cast<double>(sysconf(_SC_PHYS_PAGES)) *
-                          static_cast<double>(sysconf(_SC_PAGE_SIZE));
+    const double memory =
+        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
     const std::string grid =
         "nodes: a grid of " + std::to_string(p.nodes[0]) + " × " + std::to_string(p.nodes[1]);
-    if (count > 2147483647.0) throw InputError(grid + " has more nodes than can be numbered (2^31 − 1)");
+    if (count > 2147483647.0)
+      throw InputError(grid + " has more nodes than can be numbered (2^31 − 1)");
     if (bytes > memory)
       throw InputError(grid + " needs about " + std::to_string(std::llround(bytes / 1e9)) +
-                       " GB, this machine has " + std::to_string(std::llround(memory / 1e9)) + " GB");
+                       " GB, this machine has " + std::to_string(std::llround(memory / 1e9)) +
+                       " GB");
   }
 
   void make_parameters(const Parameters& p) {
@@ -128,7 +130,8 @@ class Grid final : public Surface {
   }
 
   void make_faces(const Parameters& p) {
-    const Index cells_1 = p.periodic[0] ? n_1_ : n_1_ - 1, cells_2 = p.periodic[1] ? n_2_ : n_2_ - 1;
+    const Index cells_1 = p.periodic[0] ? n_1_ : n_1_ - 1,
+                cells_2 = p.periodic[1] ? n_2_ : n_2_ - 1;
     for (Index j = 0; j < cells_2; ++j)
       for (Index i = 0; i < cells_1; ++i) {
         const Index right = (i + 1) % n_1_, above = (j + 1) % n_2_;
@@ -138,18 +141,20 @@ class Grid final : public Surface {
       }
   }
 
-  [[nodiscard]] NodeVectors positions(const PluginUse& use, const Vec2& size, const Setup& setup) const {
+  [[nodiscard]] NodeVectors positions(const PluginUse& use, const Vec2& size,
+                                      const Setup& setup) const {
     return setup.create<Shape>(use)->positions(parameters_, size);
   }
 
-  /// A shape must close where a side is joined: the seam no longer than three times a neighbouring cell.
+  /// A shape must close where a side is joined: the seam no longer than three times a neighbouring
+  /// cell.
   void check_closed(const Parameters& p) const {
     const auto check = [&](const NodeVectors& r, Index a, Index b, Index c, int direction) {
       const double seam = (r.row(a) - r.row(b)).norm(), cell = (r.row(b) - r.row(c)).norm();
       if (!(seam <= 3 * cell))
         throw InputError("periodic: the shape does not close along a" + std::to_string(direction) +
-                         ": last and first node are " + std::to_string(seam) + " m apart, their cells " +
-                         std::to_string(cell) + " m");
+                         ": last and first node are " + std::to_string(seam) +
+                         " m apart, their cells " + std::to_string(cell) + " m");
     };
     for (const NodeVectors* r : {&rest_, &initial_}) {
       for (Index j = 0; p.periodic[0] && j < n_2_; ++j)
@@ -173,7 +178,8 @@ class Grid final : public Surface {
 
   /// The six operators at node (i, j): D_1 and D_11 along its row, D_2 and D_22 along its column,
   /// D_12 = D_1 D_2.
-  [[nodiscard]] SampleStencil sample(Index i, Index j, const Line& line_1, const Line& line_2) const {
+  [[nodiscard]] SampleStencil sample(Index i, Index j, const Line& line_1,
+                                     const Line& line_2) const {
     SampleStencil s;
     s.weight = areas_[node(i, j)];
     s.parameter = parameters_.row(node(i, j));
@@ -194,7 +200,8 @@ class Grid final : public Surface {
     put(Derivative::d22, here_1, line_2.dd[l]);
     for (const auto& [at, d] : entries) s.entries.push_back({at, d});
 
-    // Where r_1 or r_2 does not exist the normal is taken from central (at the border one-sided) tangents.
+    // Where r_1 or r_2 does not exist the normal is taken from central (at the border one-sided)
+    // tangents.
     if (line_1.d[k].empty() || line_2.d[l].empty()) {
       std::map<Index, std::array<double, 2>> frame;
       for (const auto& [a, c] : line_1.frame[k]) frame[node(a, j)][0] += c;

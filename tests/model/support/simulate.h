@@ -1,12 +1,12 @@
 /// Runs scenes inside a test.
 #pragma once
 
-#include <gtest/gtest.h>
-
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "deform/simulation/simulation.h"
 

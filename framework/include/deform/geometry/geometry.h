@@ -12,11 +12,12 @@ namespace deform {
 
 class SampleSet;
 
-/// The geometry at the samples first … first+size−1 of a set; a view, valid as long as its Geometry.
+/// The geometry at the samples first … first+size−1 of a set; a view, valid as long as its
+/// Geometry.
 ///
 /// Lengths are metres, parameters a1, a2 are metres too (rest arc length for a flat sheet), so that
-/// r_i [1], r_ij [1/m], G [1], B [1/m], Γ [1/m], d [1/m]. Where a set cannot compute a derivative, it is 0,
-/// and so is all that needs it.
+/// r_i [1], r_ij [1/m], G [1], B [1/m], Γ [1/m], d [1/m]. Where a set cannot compute a derivative,
+/// it is 0, and so is all that needs it.
 class GeometryBlock {
  public:
   GeometryBlock(const double* data, Index stride, Index first, Index size)
@@ -73,8 +74,8 @@ class DEFORM_API Geometry {
   Geometry() = default;
   explicit Geometry(const SampleSet& samples);
 
-  /// Evaluates (3), (6), (8), (13), (15) at positions r (N × 3) [m], in parallel, with the same bits at any
-  /// number of threads.
+  /// Evaluates (3), (6), (8), (13), (15) at positions r (N × 3) [m], in parallel, with the same
+  /// bits at any number of threads.
   void compute(const SampleSet& samples, const NodeVectors& r);
 
   [[nodiscard]] Index size() const { return size_; }

@@ -9,13 +9,13 @@
 
 namespace deform {
 
-/// Which components of which nodes are prescribed. Constraints add to it once, when a simulation is made;
-/// T then selects what is left.
+/// Which components of which nodes are prescribed. Constraints add to it once, when a simulation is
+/// made; T then selects what is left.
 class DEFORM_API Reduction {
  public:
   explicit Reduction(Index nodes);
-  /// Prescribes component c (0: x, 1: y, 2: z) of a node. Prescribing it twice is fine: the later constraint
-  /// in the scene gives the value.
+  /// Prescribes component c (0: x, 1: y, 2: z) of a node. Prescribing it twice is fine: the later
+  /// constraint in the scene gives the value.
   void prescribe(Index node, int component);
   [[nodiscard]] bool prescribed(Index node, int component) const {
     return prescribed_[static_cast<std::size_t>(component)][static_cast<std::size_t>(node)] != 0;
@@ -36,7 +36,8 @@ class DEFORM_API Constraint : public Plugin {
   ~Constraint() override;
 
   virtual void reduce(Reduction& reduction) const = 0;
-  /// Writes the prescribed components [m] at a time [s]; leaves the others alone. A pure function of time.
+  /// Writes the prescribed components [m] at a time [s]; leaves the others alone. A pure function
+  /// of time.
   virtual void prescribe(double time, NodeVectors& r) const = 0;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <utility>
 #include <vector>
 
@@ -15,17 +16,17 @@ namespace deform {
 
 /// What kind of lagged (Picard) operator a term offers for linearly implicit steps.
 enum class Lagged : std::uint8_t {
-  none,         ///< none: such steps treat the term explicitly
-  symmetric,    ///< K = Kᵀ
+  none,       ///< none: such steps treat the term explicitly
+  symmetric,  ///< K = Kᵀ
   unsymmetric,
 };
 
 /// What a term promises; checked by the framework's tests and by `deform plugin check`.
 struct TermTraits {
-  bool potential = false;          ///< force = −∇energy exactly, wherever the set has one consistent frame
+  bool potential = false;  ///< force = −∇energy exactly, wherever the set has one consistent frame
   Lagged lagged = Lagged::none;
-  bool semidefinite = false;       ///< the lagged operator is positive semidefinite
-  bool strong_form = false;        ///< needs samples that are the nodes, and FieldDifferences
+  bool semidefinite = false;  ///< the lagged operator is positive semidefinite
+  bool strong_form = false;   ///< needs samples that are the nodes, and FieldDifferences
 };
 
 /// Internal energy of the surface.
@@ -36,8 +37,8 @@ class DEFORM_API EnergyTerm : public Plugin {
   [[nodiscard]] virtual TermTraits traits() const = 0;
 };
 
-/// The operators that map stress-like vectors at samples back to forces at nodes: D_0ᵀ … D_22ᵀ, and for
-/// strong forms −D_1^- and −D_2^- (which D_1ᵀ and D_2ᵀ are in the interior).
+/// The operators that map stress-like vectors at samples back to forces at nodes: D_0ᵀ … D_22ᵀ, and
+/// for strong forms −D_1^- and −D_2^- (which D_1ᵀ and D_2ᵀ are in the interior).
 enum class Channel : std::uint8_t { d0, d1, d2, d11, d12, d22, minus1, minus2 };
 inline constexpr int kChannels = 8;
 [[nodiscard]] constexpr int slot(Channel m) { return static_cast<int>(m); }
@@ -45,6 +46,9 @@ inline constexpr int kChannels = 8;
 
 /// A pair (m, n): stress σ_m depends on D_n r.
 using Coupling = std::pair<Channel, Derivative>;
+/// Every pair of some derivatives: σ_m depends on D_n r for all m and n of them.
+[[nodiscard]] DEFORM_API std::vector<Coupling> couplings_among(
+    std::initializer_list<Derivative> derivatives);
 
 /// A block of samples as a term on jets sees it.
 struct SampleBlock {
@@ -98,12 +102,12 @@ struct Stress {
   }
 };
 
-/// An energy term that lives on jets. The force on the nodes is f = −Σ_m D_mᵀ A σ_m (A: sample weights);
-/// the framework gathers it, and the operator K = Σ_mn D_mᵀ A k_mn D_n, row by row.
+/// An energy term that lives on jets. The force on the nodes is f = −Σ_m D_mᵀ A σ_m (A: sample
+/// weights); the framework gathers it, and the operator K = Σ_mn D_mᵀ A k_mn D_n, row by row.
 ///
-/// Contract: const and thread-safe on blocks; adds to what it is given. A term offers either `affine_stress`
-/// (then `stress` follows from it) or `stress`, or neither: then the stress is a numerical derivative of
-/// the density, which the log says.
+/// Contract: const and thread-safe on blocks; adds to what it is given. A term offers either
+/// `affine_stress` (then `stress` follows from it) or `stress`, or neither: then the stress is a
+/// numerical derivative of the density, which the log says.
 class DEFORM_API JetTerm : public EnergyTerm {
  public:
   ~JetTerm() override;
@@ -134,8 +138,8 @@ class DEFORM_API JetTerm : public EnergyTerm {
 struct TupleBlock {
   Index first = 0;
   Index size = 0;
-  int width = 0;                          ///< nodes a tuple
-  const std::int32_t* nodes = nullptr;    ///< (size × width), row-major
+  int width = 0;                        ///< nodes a tuple
+  const std::int32_t* nodes = nullptr;  ///< (size × width), row-major
   const NodeVectors* now = nullptr;
   const NodeVectors* lagged = nullptr;
 
@@ -157,8 +161,8 @@ class DEFORM_API TupleTerm : public EnergyTerm {
   [[nodiscard]] virtual const std::vector<std::int32_t>& tuples() const = 0;
   /// Adds the energy [J] of each tuple.
   virtual void energy(const TupleBlock& block, Values energy) const = 0;
-  /// Adds to k (size × width × width, row-major) [N/m] and c (size × width) [N] from the lagged positions.
-  /// Rule: at now == lagged, −Σ_b k_ab r_b − c_a is the force.
+  /// Adds to k (size × width × width, row-major) [N/m] and c (size × width) [N] from the lagged
+  /// positions. Rule: at now == lagged, −Σ_b k_ab r_b − c_a is the force.
   virtual void affine_force(const TupleBlock& block, Values k, std::span<Vec3> c) const = 0;
 };
 

@@ -12,12 +12,12 @@
 
 namespace deform {
 
-/// A normal as an affine form of the jet, n_ij ≈ p r_ij + s_1 r_1 + s_2 r_2 + c, for the samples of a block.
-/// All zero at first: an estimator writes what is not.
+/// A normal as an affine form of the jet, n_ij ≈ p r_ij + s_1 r_1 + s_2 r_2 + c, for the samples of
+/// a block. All zero at first: an estimator writes what is not.
 struct AffineNormal {
-  std::array<double, kBlock> p{};                         ///< [m]
-  std::array<std::array<double, kBlock>, 2> s{};          ///< s_1, s_2 [1]
-  std::array<std::array<double, kBlock>, 3> c{};          ///< x, y, z [1]
+  std::array<double, kBlock> p{};                 ///< [m]
+  std::array<std::array<double, kBlock>, 2> s{};  ///< s_1, s_2 [1]
+  std::array<std::array<double, kBlock>, 3> c{};  ///< x, y, z [1]
 
   /// The estimate at the block's sample i on a jet.
   [[nodiscard]] Vec3 at(Index i, const GeometryBlock& jets, Pair ij) const {
@@ -34,10 +34,11 @@ enum class Dependence : std::uint8_t {
   jet,
 };
 
-/// Estimates the unit normal that multiplies β_ij, with coefficients from the lagged (previous) state.
+/// Estimates the unit normal that multiplies β_ij, with coefficients from the lagged (previous)
+/// state.
 ///
-/// Contract: const and thread-safe; writes samples 0 … lagged.size()−1 of `normal` from `lagged` alone; where
-/// r_ij is not computable the estimate may be anything finite (β_ij is 0 there).
+/// Contract: const and thread-safe; writes samples 0 … lagged.size()−1 of `normal` from `lagged`
+/// alone; where r_ij is not computable the estimate may be anything finite (β_ij is 0 there).
 class DEFORM_API NormalEstimator : public Plugin {
  public:
   static constexpr PluginKind kKind = PluginKind::normal;

@@ -1,9 +1,11 @@
-/// The tag by which a host knows, before it touches anything else, that a plugin was built to fit it.
+/// The tag by which a host knows, before it touches anything else, that a plugin was built to fit
+/// it.
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+
+#include <Eigen/Core>
 
 namespace deform {
 
@@ -14,10 +16,10 @@ inline constexpr std::uint32_t kApiNumber = 1;
 struct AbiTag {
   std::uint32_t size = sizeof(AbiTag);
   std::uint32_t api = kApiNumber;
-  char compiler[32]{};          ///< e.g. "g++ 12"
-  char standard_library[32]{};  ///< e.g. "libstdc++ cxx11"
-  char flavour[32]{};           ///< "release", or the sanitizers
-  std::uint32_t eigen = 0;      ///< world*10000 + major*100 + minor
+  char compiler[32]{};                ///< e.g. "g++ 12"
+  char standard_library[32]{};        ///< e.g. "libstdc++ cxx11"
+  char flavour[32]{};                 ///< "release", or the sanitizers
+  std::uint32_t eigen = 0;            ///< world*10000 + major*100 + minor
   std::uint32_t eigen_max_align = 0;  ///< EIGEN_MAX_ALIGN_BYTES
 };
 

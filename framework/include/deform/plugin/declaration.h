@@ -1,5 +1,5 @@
-/// One declaration of a plugin's parameters: names, types, units, defaults, ranges. From it come the checks,
-/// the typed values and the JSON Schema.
+/// One declaration of a plugin's parameters: names, types, units, defaults, ranges. From it come
+/// the checks, the typed values and the JSON Schema.
 #pragma once
 
 #include <limits>
@@ -23,8 +23,8 @@ struct ParameterField {
   bool required = false;
   std::optional<double> minimum, maximum;  ///< each component's range
   bool minimum_excluded = false;
-  bool may_be_infinite = false;            ///< the scene says "infinity"
-  std::vector<std::string> choices;        ///< of a string
+  bool may_be_infinite = false;      ///< the scene says "infinity"
+  std::vector<std::string> choices;  ///< of a string
 };
 
 using ParameterFields = std::vector<ParameterField>;
@@ -33,13 +33,21 @@ using ParameterFields = std::vector<ParameterField>;
 class FieldRefinement {
  public:
   explicit FieldRefinement(ParameterField* field) : field_(field) {}
-  const FieldRefinement& required() const { return with([](auto& f) { f.required = true; }); }
-  const FieldRefinement& at_least(double v) const { return with([v](auto& f) { f.minimum = v; }); }
+  const FieldRefinement& required() const {
+    return with([](auto& f) { f.required = true; });
+  }
+  const FieldRefinement& at_least(double v) const {
+    return with([v](auto& f) { f.minimum = v; });
+  }
   const FieldRefinement& above(double v) const {
     return with([v](auto& f) { f.minimum = v, f.minimum_excluded = true; });
   }
-  const FieldRefinement& at_most(double v) const { return with([v](auto& f) { f.maximum = v; }); }
-  const FieldRefinement& may_be_infinite() const { return with([](auto& f) { f.may_be_infinite = true; }); }
+  const FieldRefinement& at_most(double v) const {
+    return with([v](auto& f) { f.maximum = v; });
+  }
+  const FieldRefinement& may_be_infinite() const {
+    return with([](auto& f) { f.may_be_infinite = true; });
+  }
   const FieldRefinement& one_of(std::vector<std::string> names) const {
     return with([&names](auto& f) { f.choices = std::move(names); });
   }
@@ -53,8 +61,8 @@ class FieldRefinement {
   ParameterField* field_;  // null while values are being filled in
 };
 
-/// Passed to `static void Parameters::declare(Declaration<Parameters>&)`; called once to learn the fields and
-/// once an object to fill them in:
+/// Passed to `static void Parameters::declare(Declaration<Parameters>&)`; called once to learn the
+/// fields and once an object to fill them in:
 ///
 ///   struct Parameters {
 ///     double delta = 0.5;
@@ -80,7 +88,8 @@ class Declaration {
     field.unit = unit;
     field.doc = doc;
     field.default_value = static_cast<Stored<T>>(P{}.*member);
-    if constexpr (!std::is_same_v<T, Stored<T>>) {  // what the member's type cannot hold is out of range
+    if constexpr (!std::is_same_v<T, Stored<T>>) {  // what the member's type cannot hold is out of
+                                                    // range
       if (std::is_unsigned_v<T>) field.minimum = 0;
       if (sizeof(T) < sizeof(std::int64_t)) {
         field.minimum = static_cast<double>(std::numeric_limits<T>::min());
@@ -93,7 +102,8 @@ class Declaration {
 
  private:
   template <class T>
-  using Stored = std::conditional_t<std::is_integral_v<T> && !std::is_same_v<T, bool>, std::int64_t, T>;
+  using Stored =
+      std::conditional_t<std::is_integral_v<T> && !std::is_same_v<T, bool>, std::int64_t, T>;
 
   ParameterFields* fields_ = nullptr;
   P* object_ = nullptr;

@@ -13,11 +13,11 @@ namespace deform {
 
 /// The text that a plugin says of itself (UTF-8).
 struct PluginText {
-  const char* name = "";     ///< what scenes call it; [a-z][a-z0-9_]*
+  const char* name = "";  ///< what scenes call it; [a-z][a-z0-9_]*
   const char* version = "";
   const char* summary = "";  ///< one line
   const char* formula = "";
-  const char* source = "";   ///< citation
+  const char* source = "";  ///< citation
 };
 
 struct PluginDescriptor {
@@ -51,13 +51,13 @@ std::unique_ptr<Plugin> create_plugin(const ParameterValues& values, const Setup
 }  // namespace detail
 }  // namespace deform
 
-/// The one export line of a plugin: its class (constructed from (const Parameters&, const Setup&)), its
-/// parameters, then a PluginText's designated initialisers:
+/// The one export line of a plugin: its class (constructed from (const Parameters&, const Setup&)),
+/// its parameters, then a PluginText's designated initialisers:
 ///
 ///   DEFORM_PLUGIN(Gauss, Parameters, .name = "gauss", .version = "1.0", .summary = "…")
-#define DEFORM_PLUGIN(Class, Parameters, ...)                                                      \
-  extern "C" DEFORM_API const ::deform::PluginDescriptor DEFORM_DESCRIPTOR_SYMBOL;                 \
-  constinit const ::deform::PluginDescriptor DEFORM_DESCRIPTOR_SYMBOL{                             \
-      ::deform::abi_tag(), Class::kKind, ::deform::PluginText{__VA_ARGS__},                        \
-      &::deform::detail::declare_fields<Parameters>,                                               \
+#define DEFORM_PLUGIN(Class, Parameters, ...)                                      \
+  extern "C" DEFORM_API const ::deform::PluginDescriptor DEFORM_DESCRIPTOR_SYMBOL; \
+  constinit const ::deform::PluginDescriptor DEFORM_DESCRIPTOR_SYMBOL{             \
+      ::deform::abi_tag(), Class::kKind, ::deform::PluginText{__VA_ARGS__},        \
+      &::deform::detail::declare_fields<Parameters>,                               \
       &::deform::detail::create_plugin<Class, Parameters>};

@@ -15,7 +15,9 @@ class DEFORM_API Memory {
   void put(const std::string& name, std::vector<double> values);
   /// Throws InputError when the name is missing or its length is not `size`.
   [[nodiscard]] const std::vector<double>& get(const std::string& name, std::size_t size) const;
-  [[nodiscard]] const std::map<std::string, std::vector<double>>& entries() const { return entries_; }
+  [[nodiscard]] const std::map<std::string, std::vector<double>>& entries() const {
+    return entries_;
+  }
 
  private:
   std::map<std::string, std::vector<double>> entries_;

@@ -33,9 +33,11 @@ class DEFORM_API LoadedPlugin {
   [[nodiscard]] const ParameterFields& fields() const { return fields_; }
   /// "normal/gauss (…/normal-gauss.so)".
   [[nodiscard]] std::string origin() const;
-  /// Makes an object that keeps the library loaded as long as it lives. Throws InputError for what the
-  /// constructor rejects, PluginFailure for whatever else it throws or when the object is not of the kind.
-  [[nodiscard]] std::shared_ptr<Plugin> create(const ParameterValues& values, const Setup& setup) const;
+  /// Makes an object that keeps the library loaded as long as it lives. Throws InputError for what
+  /// the constructor rejects, PluginFailure for whatever else it throws or when the object is not
+  /// of the kind.
+  [[nodiscard]] std::shared_ptr<Plugin> create(const ParameterValues& values,
+                                               const Setup& setup) const;
 
  private:
   PluginFile file_;
@@ -44,9 +46,9 @@ class DEFORM_API LoadedPlugin {
   ParameterFields fields_;
 };
 
-/// Finds plugins by kind and name: in the folders given, then in DEFORM_PLUGIN_PATH (absolute folders that are
-/// not world-writable), then in ../lib/deform/plugins from the program. Never in the current or the scene's
-/// folder.
+/// Finds plugins by kind and name: in the folders given, then in DEFORM_PLUGIN_PATH (absolute
+/// folders that are not world-writable), then in ../lib/deform/plugins from the program. Never in
+/// the current or the scene's folder.
 class DEFORM_API PluginRegistry {
  public:
   /// `folders`: from --plugin-path; throws InputError for one that is not a folder.
@@ -61,8 +63,9 @@ class DEFORM_API PluginRegistry {
   /// Names found of a kind, ascending.
   [[nodiscard]] std::vector<std::string> names(PluginKind kind) const;
 
-  /// Loads (once) and checks a library. Throws InputError (without pointer): not found, with every folder
-  /// tried and the nearest names; two of one kind and name; not a plugin, or one that does not fit.
+  /// Loads (once) and checks a library. Throws InputError (without pointer): not found, with every
+  /// folder tried and the nearest names; two of one kind and name; not a plugin, or one that does
+  /// not fit.
   [[nodiscard]] const LoadedPlugin& load(PluginKind kind, const std::string& name) const;
   /// load() and LoadedPlugin::create(); problems get the use's pointer.
   [[nodiscard]] std::shared_ptr<Plugin> create(const PluginUse& use, const Setup& setup) const;
@@ -72,17 +75,20 @@ class DEFORM_API PluginRegistry {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Loads one library by its path, whatever its folder; throws InputError when it is not a plugin that fits.
+/// Loads one library by its path, whatever its folder; throws InputError when it is not a plugin
+/// that fits.
 [[nodiscard]] DEFORM_API LoadedPlugin load_plugin(const std::filesystem::path& library);
 
-/// A parameter in words, for tables and messages: "number", ">= 0", "0.5" (empty where there is none).
+/// A parameter in words, for tables and messages: "number", ">= 0", "0.5" (empty where there is
+/// none).
 struct ParameterText {
   std::string type, range, default_value;
 };
 [[nodiscard]] DEFORM_API ParameterText describe(const ParameterField& field);
 
-/// The parameters that the framework itself reads for every plugin of a kind: an integrator's `step`, and
-/// how often (`every`) a probe or output is due. A plugin must not declare these, nor "plugin".
+/// The parameters that the framework itself reads for every plugin of a kind: an integrator's
+/// `step`, and how often (`every`) a probe or output is due. A plugin must not declare these, nor
+/// "plugin".
 [[nodiscard]] DEFORM_API const ParameterFields& common_fields(PluginKind kind);
 
 /// JSON Schema (draft 2020-12, as text) of a plugin's object in a scene, from its own

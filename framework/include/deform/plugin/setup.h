@@ -25,8 +25,8 @@ struct Material {
   double damping = 0.0;  ///< gamma [N·s/m³]
 };
 
-/// The world at the time when a plugin object is made. Surfaces and shapes are made before there is a
-/// surface: they get a Setup without one.
+/// The world at the time when a plugin object is made. Surfaces and shapes are made before there is
+/// a surface: they get a Setup without one.
 class DEFORM_API Setup {
  public:
   using Factory = std::function<std::shared_ptr<Plugin>(const PluginUse&, const Setup&)>;
@@ -35,7 +35,8 @@ class DEFORM_API Setup {
 
   /// Throws Error when there is none yet (in the constructor of a surface or shape).
   [[nodiscard]] const Surface& surface() const;
-  /// (N × 3) rest positions of this simulation [m] (mirrored in a mirrored run: not the surface's own).
+  /// (N × 3) rest positions of this simulation [m] (mirrored in a mirrored run: not the surface's
+  /// own).
   [[nodiscard]] const NodeVectors& rest() const;
   [[nodiscard]] const Material& material() const { return material_; }
   /// Relative file names in a scene start from its folder.

@@ -29,9 +29,10 @@ struct PairWeights {
 struct DEFORM_API TimeProfile {
   enum class Form : std::uint8_t { constant, ramp, pulse, table };
   Form form = Form::constant;
-  /// (time [s], factor) in ascending time. constant: none, or one whose factor holds for ever; ramp: 0 before
-  /// the first, 1 after the second, linear between; pulse: 1 from the first until just before the second,
-  /// else 0; table: linear between the points, constant outside. Factors of ramp and pulse do not matter.
+  /// (time [s], factor) in ascending time. constant: none, or one whose factor holds for ever;
+  /// ramp: 0 before the first, 1 after the second, linear between; pulse: 1 from the first until
+  /// just before the second, else 0; table: linear between the points, constant outside. Factors of
+  /// ramp and pulse do not matter.
   std::vector<std::pair<double, double>> points;
 
   [[nodiscard]] double operator()(double time) const;
@@ -41,12 +42,12 @@ struct DEFORM_API TimeProfile {
 struct NodeSelector {
   enum class Form : std::uint8_t { centre, box, boundary, corners, node };
   Form form = Form::node;
-  Vec2 centre = Vec2::Zero();            ///< centre: maximum norm …
-  double radius = 0;                     ///< … at most this [m]
-  Vec2 lower = Vec2::Zero();             ///< box, closed
+  Vec2 centre = Vec2::Zero();  ///< centre: maximum norm …
+  double radius = 0;           ///< … at most this [m]
+  Vec2 lower = Vec2::Zero();   ///< box, closed
   Vec2 upper = Vec2::Zero();
-  std::vector<std::string> names;        ///< boundary or corners: what the surface calls them
-  std::vector<std::int64_t> numbers;     ///< node: numbers
+  std::vector<std::string> names;     ///< boundary or corners: what the surface calls them
+  std::vector<std::int64_t> numbers;  ///< node: numbers
 };
 /// A union of selectors.
 struct NodeSelection {
@@ -64,10 +65,10 @@ struct PluginUse {
 };
 
 using ParameterValue =
-    std::variant<bool, std::int64_t, double, std::string, Vec2, Vec3, PairWeights, std::vector<double>,
-                 std::vector<std::int64_t>, std::vector<bool>, std::vector<std::string>,
-                 std::array<std::int64_t, 2>, std::array<bool, 2>, std::vector<Vec3>, TimeProfile,
-                 NodeSelection, PluginUse, std::filesystem::path>;
+    std::variant<bool, std::int64_t, double, std::string, Vec2, Vec3, PairWeights,
+                 std::vector<double>, std::vector<std::int64_t>, std::vector<bool>,
+                 std::vector<std::string>, std::array<std::int64_t, 2>, std::array<bool, 2>,
+                 std::vector<Vec3>, TimeProfile, NodeSelection, PluginUse, std::filesystem::path>;
 
 /// The values of one plugin's parameters, defaults filled in.
 class DEFORM_API ParameterValues {

@@ -13,7 +13,7 @@ struct Frame {
   long step = 0;
   double step_size = 0;  ///< [s]
   const State& state;
-  System& system;        ///< geometry is up to date; the previous state's is still there
+  System& system;  ///< geometry is up to date; the previous state's is still there
 };
 
 /// A simulation that runs beside the one that is recorded, e.g. its mirror image.
@@ -29,7 +29,7 @@ class DEFORM_API CompanionRun {
 
 /// What a probe or output may ask for when a run begins.
 struct RunContext {
-  std::filesystem::path folder;                 ///< of the run; outputs write below it
+  std::filesystem::path folder;  ///< of the run; outputs write below it
   std::string title;
   System& system;
   /// Makes the same simulation mirrored at z = 0, at its initial state.

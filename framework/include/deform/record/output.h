@@ -5,8 +5,8 @@
 
 namespace deform {
 
-/// Writes frames. `begin`, then `write` at every recorded step, then `end` (also after a divergence or an
-/// interruption: what was written so far must be readable).
+/// Writes frames. `begin`, then `write` at every recorded step, then `end` (also after a divergence
+/// or an interruption: what was written so far must be readable).
 class DEFORM_API Output : public Plugin {
  public:
   static constexpr PluginKind kKind = PluginKind::output;

@@ -15,7 +15,8 @@ struct ProbeColumn {
   std::string unit;
 };
 
-/// A figure that a scene does not have (e.g. the normal error without an estimator): an empty field.
+/// A figure that a scene does not have (e.g. the normal error without an estimator): an empty
+/// field.
 inline constexpr double kNoFigure = std::numeric_limits<double>::quiet_NaN();
 
 /// Measures figures at recorded steps. Its columns are fixed once `begin` was called.

@@ -14,27 +14,30 @@
 namespace deform {
 
 struct RunOptions {
-  std::filesystem::path folder;      ///< the run directory; made, must not exist unless `force`
-  bool force = false;                ///< replace an existing run directory
+  std::filesystem::path folder;  ///< the run directory; made, must not exist unless `force`
+  bool force = false;            ///< replace an existing run directory
   /// Called after each step with the steps done and to do.
   std::function<void(long done, long total)> progress;
-  const std::atomic<bool>* interrupted = nullptr;  ///< ends the run within a step when it becomes true
-  std::vector<std::string> command_line;           ///< for the manifest
+  const std::atomic<bool>* interrupted =
+      nullptr;                            ///< ends the run within a step when it becomes true
+  std::vector<std::string> command_line;  ///< for the manifest
 };
 
 struct RunResult {
   ExitCode code = ExitCode::done;
-  std::string reason;                ///< empty when done
+  std::string reason;  ///< empty when done
   long steps = 0;
   double wall_seconds = 0;
   StepTimes times;
-  std::vector<std::pair<std::string, double>> figures;  ///< the last row of the probes, header and value
-  double stepping_seconds = 0;       ///< of wall_seconds: from the first step to the last, recording included
+  std::vector<std::pair<std::string, double>>
+      figures;  ///< the last row of the probes, header and value
+  double stepping_seconds =
+      0;  ///< of wall_seconds: from the first step to the last, recording included
 };
 
-/// Runs a scene to its end and writes the run directory: scene.json, manifest.json, probes.csv, summary.json,
-/// log.txt and the outputs. Divergence, interruption and plugin failures are results (see `code`), bad input
-/// throws InputError before anything is written.
+/// Runs a scene to its end and writes the run directory: scene.json, manifest.json, probes.csv,
+/// summary.json, log.txt and the outputs. Divergence, interruption and plugin failures are results
+/// (see `code`), bad input throws InputError before anything is written.
 [[nodiscard]] DEFORM_API RunResult run(const Scene& scene,
                                        std::shared_ptr<const PluginRegistry> registry,
                                        const RunOptions& options);

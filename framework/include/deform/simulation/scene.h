@@ -19,7 +19,8 @@ struct RecorderUse {
   long every = 1;  ///< steps
 };
 
-/// A scene with defaults filled in; every plugin that it names exists and every parameter is in range.
+/// A scene with defaults filled in; every plugin that it names exists and every parameter is in
+/// range.
 struct DEFORM_API Scene {
   std::filesystem::path file;
   std::string title;
@@ -27,19 +28,20 @@ struct DEFORM_API Scene {
   Material material;
   std::vector<PluginUse> energies, forces, constraints;
   PluginUse integrator;
-  double step = 0;      ///< [s]
-  double duration = 0;  ///< [s]
+  double step = 0;                  ///< [s]
+  double duration = 0;              ///< [s]
   std::optional<PluginUse> solver;  ///< none: chosen by the matrix' properties
   std::vector<RecorderUse> outputs, probes;
-  Vec3 velocity = Vec3::Zero();     ///< of every free node at first [m/s]
-  double max_distance = 10;         ///< diverged beyond it, in sizes of the surface
+  Vec3 velocity = Vec3::Zero();       ///< of every free node at first [m/s]
+  double max_distance = 10;           ///< diverged beyond it, in sizes of the surface
   std::vector<std::string> variants;  ///< names in the order of the file; without "base"
-  std::string completed;            ///< the scene as JSON text with every default written out
+  std::string completed;              ///< the scene as JSON text with every default written out
 
   [[nodiscard]] long steps() const;  ///< duration / step, rounded
 };
 
-/// A value to put at a JSON pointer before the scene is checked (`--set`); the text is JSON, else a string.
+/// A value to put at a JSON pointer before the scene is checked (`--set`); the text is JSON, else a
+/// string.
 struct Replacement {
   std::string pointer;
   std::string value;

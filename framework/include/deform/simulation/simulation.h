@@ -15,13 +15,13 @@ namespace deform {
 /// Made from a scene; advances step by step; records nothing.
 class DEFORM_API Simulation {
  public:
-  /// Makes every plugin object. Throws InputError with every problem found (a selection of no node, a file
-  /// that is not there, …). `mirrored`: the whole world reflected at z = 0.
+  /// Makes every plugin object. Throws InputError with every problem found (a selection of no node,
+  /// a file that is not there, …). `mirrored`: the whole world reflected at z = 0.
   Simulation(Scene scene, std::shared_ptr<const PluginRegistry> registry, bool mirrored = false);
   ~Simulation();
 
-  /// One step of the scene's integrator. Throws Diverged when the state is not finite or a node is beyond
-  /// all bounds, PluginFailure when a plugin throws; the state is then that before the step.
+  /// One step of the scene's integrator. Throws Diverged when the state is not finite or a node is
+  /// beyond all bounds, PluginFailure when a plugin throws; the state is then that before the step.
   void step();
 
   [[nodiscard]] const Scene& scene() const;

@@ -11,8 +11,8 @@ class DEFORM_API Integrator : public Plugin {
  public:
   static constexpr PluginKind kKind = PluginKind::integrator;
   ~Integrator() override;
-  /// Advances r, v and time by exactly `step` seconds, in as many substeps as it likes; prescribed components
-  /// end where the constraints say.
+  /// Advances r, v and time by exactly `step` seconds, in as many substeps as it likes; prescribed
+  /// components end where the constraints say.
   virtual void advance(System& system, State& state, double step) = 0;
 };
 

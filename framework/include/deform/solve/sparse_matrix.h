@@ -8,8 +8,8 @@
 
 namespace deform {
 
-/// Square matrix in compressed rows, columns ascending within a row; its pattern is symmetric even where its
-/// values are not. (Read as compressed columns it is the transpose.)
+/// Square matrix in compressed rows, columns ascending within a row; its pattern is symmetric even
+/// where its values are not. (Read as compressed columns it is the transpose.)
 struct SparseMatrix {
   Index size = 0;
   std::vector<std::int32_t> row_begin{0};  ///< (size + 1)

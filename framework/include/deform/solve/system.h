@@ -1,4 +1,5 @@
-/// The discretised equation of motion (16) as an integrator sees it: forces, lagged operator, linear solves.
+/// The discretised equation of motion (16) as an integrator sees it: forces, lagged operator,
+/// linear solves.
 #pragma once
 
 #include <functional>
@@ -24,7 +25,8 @@ struct State {
   double time = 0;
 };
 
-/// A plugin object with the name it goes by in messages, columns and files ("bending", "bending_2").
+/// A plugin object with the name it goes by in messages, columns and files ("bending",
+/// "bending_2").
 template <class Interface>
 struct Named {
   std::string name;
@@ -35,14 +37,14 @@ struct Named {
 /// The parts of a model, ready to be assembled into a System.
 struct ModelParts {
   std::shared_ptr<const Surface> surface;
-  NodeVectors rest;  ///< (N × 3) [m]
+  NodeVectors rest;    ///< (N × 3) [m]
   NodeValues mass;     ///< (N) mu A [kg]
   NodeValues damping;  ///< (N) gamma A [N·s/m]
   std::vector<Named<EnergyTerm>> energies;
   std::vector<Named<ForceField>> forces;
   std::vector<Named<Constraint>> constraints;
-  /// Makes a fresh object of each solver to choose from (one, where the scene names it). Components that
-  /// different constraints hold need a matrix, and so a solver, each.
+  /// Makes a fresh object of each solver to choose from (one, where the scene names it). Components
+  /// that different constraints hold need a matrix, and so a solver, each.
   std::function<std::vector<Named<LinearSolver>>()> make_solvers;
   /// Mirrored at z = 0: forces and constraints are those of the unmirrored world, reflected.
   bool mirrored = false;
@@ -54,7 +56,8 @@ struct StepTimes {
   long steps = 0;
 };
 
-/// Everything that an integrator needs of the model. All results have the same bits at any number of threads.
+/// Everything that an integrator needs of the model. All results have the same bits at any number
+/// of threads.
 class DEFORM_API System {
  public:
   explicit System(ModelParts parts);
@@ -74,7 +77,8 @@ class DEFORM_API System {
   void begin_step(const State& state);
   /// Makes `geometry` that of a state; computes it unless it is known (same positions).
   void update_geometry(const State& state);
-  /// Geometry of the last updated state, of the state at which the last step began, and of the rest state.
+  /// Geometry of the last updated state, of the state at which the last step began, and of the rest
+  /// state.
   [[nodiscard]] const Geometry& geometry(const SampleSet& samples) const;
   [[nodiscard]] const Geometry& previous_geometry(const SampleSet& samples) const;
   [[nodiscard]] const Geometry& rest_geometry(const SampleSet& samples) const;
@@ -85,13 +89,14 @@ class DEFORM_API System {
   void evaluate_with_operator(const State& state);
   /// (N × 3) internal plus external forces of the last evaluation [N].
   [[nodiscard]] const NodeVectors& force() const;
-  /// (N) −∂f/∂v of force fields with an isotropic tangent, of the last evaluate_with_operator [N·s/m].
+  /// (N) −∂f/∂v of force fields with an isotropic tangent, of the last evaluate_with_operator
+  /// [N·s/m].
   [[nodiscard]] const NodeValues& force_damping() const;
   /// The lagged operator K (N × N, shared by x, y, z) of the last evaluate_with_operator.
   [[nodiscard]] const SparseMatrix& lagged_operator() const;
 
-  /// Solves (K + diag(d)) x = b on the free degrees of freedom; prescribed entries of x (N × 3) are given.
-  /// Throws Error with ExitCode::diverged and each solver's reason when none can.
+  /// Solves (K + diag(d)) x = b on the free degrees of freedom; prescribed entries of x (N × 3) are
+  /// given. Throws Error with ExitCode::diverged and each solver's reason when none can.
   void solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x);
   /// Writes the prescribed components [m] at a time; leaves the others alone.
   void prescribe(double time, NodeVectors& r) const;
@@ -111,7 +116,8 @@ class DEFORM_API System {
     NodeVectors c;
   };
   [[nodiscard]] LaggedForce lagged_force(std::size_t term, const State& state);
-  /// Name of the term (or "external forces") with the largest, or first not finite, force at a node.
+  /// Name of the term (or "external forces") with the largest, or first not finite, force at a
+  /// node.
   [[nodiscard]] std::string largest_force_at(Index node, const State& state);
 
   [[nodiscard]] StepTimes& times();

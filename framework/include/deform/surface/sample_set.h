@@ -1,4 +1,5 @@
-/// Sample sets: where G and B are evaluated, and the difference operators that map nodes to jets there.
+/// Sample sets: where G and B are evaluated, and the difference operators that map nodes to jets
+/// there.
 #pragma once
 
 #include <array>
@@ -28,16 +29,18 @@ struct SampleStencil {
     std::array<double, 2> d{};  ///< coefficients of the node in the frame's two tangents
   };
 
-  double weight = 0;                    ///< A_s, parameter area that the sample stands for [m²]
-  Vec2 parameter = Vec2::Zero();        ///< (a1, a2) [m]
-  std::vector<Entry> entries;           ///< each node once, in a fixed order
-  std::bitset<kDerivatives> computable; ///< which of the operators exist here; the others have zero rows
-  std::vector<FrameEntry> frame;        ///< empty: the normal is that of D_1 r, D_2 r; else of these tangents
+  double weight = 0;              ///< A_s, parameter area that the sample stands for [m²]
+  Vec2 parameter = Vec2::Zero();  ///< (a1, a2) [m]
+  std::vector<Entry> entries;     ///< each node once, in a fixed order
+  std::bitset<kDerivatives>
+      computable;  ///< which of the operators exist here; the others have zero rows
+  std::vector<FrameEntry>
+      frame;  ///< empty: the normal is that of D_1 r, D_2 r; else of these tangents
 };
 
-/// Optional capability of a set whose samples are the nodes: differences of a field given at the samples,
-/// D_i^- and D_ij^- of the paper, as the expanded form (22) needs. Rows where the difference cannot be
-/// formed are zero.
+/// Optional capability of a set whose samples are the nodes: differences of a field given at the
+/// samples, D_i^- and D_ij^- of the paper, as the expanded form (22) needs. Rows where the
+/// difference cannot be formed are zero.
 class DEFORM_API FieldDifferences {
  public:
   struct Term {

@@ -6,8 +6,8 @@
 
 namespace deform {
 
-/// Maps the nodes' parameters to positions. `parameters` (N × 2) [m], `size`: extent of the parameter
-/// rectangle [m]; returns (N × 3) [m]. Throws InputError when it cannot.
+/// Maps the nodes' parameters to positions. `parameters` (N × 2) [m], `size`: extent of the
+/// parameter rectangle [m]; returns (N × 3) [m]. Throws InputError when it cannot.
 class DEFORM_API Shape : public Plugin {
  public:
   static constexpr PluginKind kKind = PluginKind::shape;

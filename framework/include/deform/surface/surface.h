@@ -1,4 +1,5 @@
-/// A discretised surface: nodes, faces, selections, and the sample sets with their difference operators.
+/// A discretised surface: nodes, faces, selections, and the sample sets with their difference
+/// operators.
 #pragma once
 
 #include <string>
@@ -12,8 +13,8 @@ namespace deform {
 
 /// Polygons over the nodes, counter-clockwise seen from where n points.
 struct Faces {
-  std::vector<std::int32_t> nodes;        ///< all polygons' nodes, one after another
-  std::vector<std::int32_t> begin{0};     ///< polygon f: nodes[begin[f]] … nodes[begin[f+1]−1]
+  std::vector<std::int32_t> nodes;     ///< all polygons' nodes, one after another
+  std::vector<std::int32_t> begin{0};  ///< polygon f: nodes[begin[f]] … nodes[begin[f+1]−1]
   [[nodiscard]] Index size() const { return static_cast<Index>(begin.size()) - 1; }
 };
 
@@ -34,7 +35,8 @@ class DEFORM_API Surface : public Plugin {
   [[nodiscard]] virtual const Faces& faces() const = 0;
   /// The set that terms of a role live on; roles may share one (same address).
   [[nodiscard]] virtual const SampleSet& samples(SampleRole role) const = 0;
-  /// Names of the parts of the boundary ("left", …), and of the corners; "all" is understood everywhere.
+  /// Names of the parts of the boundary ("left", …), and of the corners; "all" is understood
+  /// everywhere.
   [[nodiscard]] virtual std::vector<std::string> boundary_names() const = 0;
   [[nodiscard]] virtual std::vector<std::string> corner_names() const = 0;
   /// Nodes of a part of the boundary or of a corner, ascending; empty for a name that is not one.
@@ -42,7 +44,8 @@ class DEFORM_API Surface : public Plugin {
   [[nodiscard]] virtual std::vector<Index> corner(const std::string& name) const = 0;
 };
 
-/// Nodes that a selection takes, ascending, each once; throws InputError when none, or a name is unknown.
+/// Nodes that a selection takes, ascending, each once; throws InputError when none, or a name is
+/// unknown.
 [[nodiscard]] DEFORM_API std::vector<Index> select_nodes(const Surface& surface,
                                                          const NodeSelection& where);
 
