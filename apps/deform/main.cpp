@@ -17,13 +17,17 @@
 
 #include "plugins_command.h"
 #include "progress.h"
+#include "report_error.h"
 #include "run_command.h"
+#include "schema_command.h"
+#include "validate_command.h"
 
 namespace deform::app {
 namespace {
 
 constexpr const char* kFooter =
-    "Exit codes: 0 done; 1 internal error; 2 bad input; 3 the simulation diverged; 4 a plugin "
+    "Exit codes: 0 done; 1 internal error, or a file cannot be written; 2 bad input; 3 the "
+    "simulation diverged; 4 a plugin "
     "failed; "
     "5 an expectation failed; 130 interrupted.";
 
@@ -34,6 +38,8 @@ struct Arguments {
   RunCommand run;
   std::vector<std::string> sets;
   std::string which_plugin;
+  std::vector<std::filesystem::path> scenes;
+  std::filesystem::path schema_folder;
 };
 
 Replacement parse_replacement(const std::string& text) {
@@ -64,7 +70,11 @@ CLI::App& add_run(CLI::App& app, Arguments& arguments) {
   run.add_option("--variant", arguments.run.variant, "variant of the scene")->type_name("NAME");
   run.add_option("--out", arguments.run.folder, "run directory (default: runs/SCENE[-VARIANT])")
       ->type_name("DIR");
-  run.add_flag("--force", arguments.run.force, "replace an existing run directory");
+  CLI::Option* force =
+      run.add_flag("--force", arguments.run.force, "replace an existing run directory");
+  run.add_flag("--resume", arguments.run.resume,
+               "go on from the checkpoint in the run directory; the same scene must be given")
+      ->excludes(force);
   run.add_option("--threads", arguments.threads, "use at most N threads (default: all)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
@@ -81,6 +91,25 @@ CLI::App& add_plugins(CLI::App& app, Arguments& arguments) {
   return plugins;
 }
 
+CLI::App& add_validate(CLI::App& app, Arguments& arguments) {
+  CLI::App& validate = *app.add_subcommand(
+      "validate", "Check scenes, all of their variants and everything that they name; run nothing");
+  validate.add_option("SCENE", arguments.scenes, "scene files")->required()->type_name("");
+  add_plugin_path(validate, arguments);
+  return validate;
+}
+
+CLI::App& add_schema(CLI::App& app, Arguments& arguments) {
+  CLI::App& schema = *app.add_subcommand(
+      "schema", "Print the JSON Schema of scenes, with the parameters of every plugin found");
+  schema
+      .add_option("--out", arguments.schema_folder,
+                  "write it to a folder instead, and that of each plugin")
+      ->type_name("DIR");
+  add_plugin_path(schema, arguments);
+  return schema;
+}
+
 int execute(int argc, char** argv) {
   CLI::App app("Simulates elastically deformable surfaces; every choice is a plugin.", "deform");
   app.set_version_flag("--version", std::string("deform ") + version());
@@ -90,6 +119,8 @@ int execute(int argc, char** argv) {
   arguments.run.command_line.assign(argv, argv + argc);
   const CLI::App& run = add_run(app, arguments);
   add_plugins(app, arguments);
+  const CLI::App& validate = add_validate(app, arguments);
+  const CLI::App& schema = add_schema(app, arguments);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -105,6 +136,8 @@ int execute(int argc, char** argv) {
   static ProgressBar bar;  // the logger, which outlives this function, writes past it
   log_above(bar);
   const auto registry = std::make_shared<const PluginRegistry>(arguments.plugin_folders);
+  if (validate.parsed()) return validate_scenes(arguments.scenes, registry);
+  if (schema.parsed()) return write_schemas(*registry, arguments.schema_folder);
   if (!run.parsed()) return list_plugins(*registry, arguments.which_plugin);
   return run_scene(arguments.run, registry, bar);
 }
@@ -118,16 +151,7 @@ int main(int argc, char** argv) {
   ::setenv("OPENBLAS_NUM_THREADS", "1", 0);
   try {
     return deform::app::execute(argc, argv);
-  } catch (const deform::InputError& e) {
-    for (const deform::Problem& problem : e.problems()) {
-      fmt::print(stderr, "deform: {}\n", problem.message);
-    }
-    return static_cast<int>(e.code());
-  } catch (const deform::Error& e) {
-    fmt::print(stderr, "deform: {}\n", e.what());
-    return static_cast<int>(e.code());
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "deform: internal error: {}\n", e.what());
-    return static_cast<int>(deform::ExitCode::internal_error);
+  } catch (...) {
+    return deform::app::report_current_error();
   }
 }

@@ -22,11 +22,12 @@ std::filesystem::path default_folder(const RunCommand& command) {
 
 /// Milliseconds a step, by part; what the parts do not account for is "other".
 void print_times(const RunResult& result) {
-  if (result.steps == 0) return;
+  const long steps = result.steps - result.resumed_after;
+  if (steps == 0) return;
   const StepTimes& t = result.times;
   const double known = t.geometry + t.assembly + t.factorisation + t.solve + t.output;
-  const auto per_step = [&result](double seconds) {
-    return 1e3 * seconds / static_cast<double>(result.steps);
+  const auto per_step = [steps](double seconds) {
+    return 1e3 * seconds / static_cast<double>(steps);
   };
   fmt::print(
       "  ms/step       {:.3f}: geometry {:.3f}, assembly {:.3f}, factorisation {:.3f}, "
@@ -47,7 +48,9 @@ void print_figures(const RunResult& result) {
 
 void print_summary(const RunResult& result, const std::filesystem::path& folder) {
   fmt::print("{}\n", folder.string());
-  fmt::print("  steps         {}\n", result.steps);
+  fmt::print(
+      "  steps         {}{}\n", result.steps,
+      result.resumed_after > 0 ? fmt::format(" ({} of them before)", result.resumed_after) : "");
   fmt::print("  wall time     {:.2f} s\n", result.wall_seconds);
   print_times(result);
   print_figures(result);
@@ -61,6 +64,7 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
   RunOptions options;
   options.folder = command.folder.empty() ? default_folder(command) : command.folder;
   options.force = command.force;
+  options.resume = command.resume;
   options.interrupted = &watch_interrupts();
   options.command_line = command.command_line;
   options.progress = [&bar](long done, long total) { bar.update(done, total); };

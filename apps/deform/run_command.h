@@ -19,6 +19,7 @@ struct RunCommand {
   std::string variant = "base";
   std::filesystem::path folder;  ///< empty: runs/SCENE or runs/SCENE-VARIANT
   bool force = false;
+  bool resume = false;
   bool quiet = false;
   std::vector<std::string> command_line;
 };

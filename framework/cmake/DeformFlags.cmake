@@ -12,6 +12,9 @@ if(DEFORM_SANITIZE)
     -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(deform_flags INTERFACE -fsanitize=address,undefined)
 endif()
+if(DEFORM_FUZZ)
+  target_compile_options(deform_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # Warnings are for our own code only.
 add_library(deform_warnings INTERFACE)

@@ -35,12 +35,7 @@ class Bending final : public JetTerm {
   [[nodiscard]] const NormalEstimator* normal() const override { return normal_.get(); }
 
   void energy_density(const SampleBlock& block, Values density) const override {
-    for (const Pair ij : kPairs) {
-      const ConstValues B = block.now.B(ij), B0 = block.rest.B(ij);
-      const double xi = 0.5 * multiplicity(ij) * xi_(ij);
-      for (std::size_t s = 0; s < density.size(); ++s)
-        density[s] += xi * (B[s] - B0[s]) * (B[s] - B0[s]);
-    }
+    add_weighted_norm(0.5, xi_, block, &GeometryBlock::B, density);
   }
 
   [[nodiscard]] std::vector<Coupling> couplings() const override {

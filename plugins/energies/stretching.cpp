@@ -24,12 +24,7 @@ class Stretching final : public JetTerm {
   [[nodiscard]] SampleRole role() const override { return SampleRole::membrane; }
 
   void energy_density(const SampleBlock& block, Values density) const override {
-    for (const Pair ij : kPairs) {
-      const ConstValues G = block.now.G(ij), G0 = block.rest.G(ij);
-      const double eta = 0.25 * multiplicity(ij) * eta_(ij);
-      for (std::size_t s = 0; s < density.size(); ++s)
-        density[s] += eta * (G[s] - G0[s]) * (G[s] - G0[s]);
-    }
+    add_weighted_norm(0.25, eta_, block, &GeometryBlock::G, density);
   }
 
   [[nodiscard]] std::vector<Coupling> couplings() const override {

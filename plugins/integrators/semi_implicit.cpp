@@ -29,6 +29,7 @@ class SemiImplicit final : public Integrator {
     state.r += increment_;
     state.v = increment_ / step;
     state.time += step;
+    system.prescribe(state.time, state.r);  // exactly there: adding the increment has rounded
   }
 
  private:

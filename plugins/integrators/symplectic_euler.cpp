@@ -12,22 +12,19 @@ class SymplecticEuler final : public Integrator {
     system.evaluate(state);
     const NodeValues& mass = system.mass();
     inverse_ = (mass + step * system.damping()).cwiseInverse();
-    target_ = state.r;
-    system.prescribe(state.time + step, target_);
+    before_ = state.r;
     for (int c = 0; c < 3; ++c) {
       auto v = state.v.col(c);
       v = (mass.cwiseProduct(v) + step * system.force().col(c)).cwiseProduct(inverse_);
-      for (Index a = 0; a < system.nodes(); ++a)
-        if (system.reduction().prescribed(a, c)) v[a] = (target_(a, c) - state.r(a, c)) / step;
     }
     state.r += step * state.v;
-    system.prescribe(state.time + step, state.r);  // exactly there, without rounding
     state.time += step;
+    system.constrain(before_, step, state);
   }
 
  private:
   NodeValues inverse_;
-  NodeVectors target_;
+  NodeVectors before_;
 };
 
 }  // namespace

@@ -11,7 +11,7 @@ namespace deform::outputs {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& reason) {
-  throw Error(ExitCode::plugin_failed, "cannot write '" + path.string() + "': " + reason);
+  throw Error(ExitCode::internal_error, "cannot write " + path.string() + ": " + reason);
 }
 
 template <class Number>
@@ -26,7 +26,7 @@ void append_shortest(std::string& text, Number value) {
 OutputFile::OutputFile(std::filesystem::path path)
     : path_(std::move(path)), temporary_(path_.string() + ".part") {
   file_ = std::fopen(temporary_.c_str(), "wb");
-  if (file_ == nullptr) fail(temporary_, std::strerror(errno));
+  if (file_ == nullptr) fail(path_, std::strerror(errno));
 }
 
 OutputFile::~OutputFile() {
@@ -37,12 +37,11 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::write(const void* data, std::size_t bytes) {
-  if (bytes > 0 && std::fwrite(data, 1, bytes, file_) != bytes)
-    fail(temporary_, std::strerror(errno));
+  if (bytes > 0 && std::fwrite(data, 1, bytes, file_) != bytes) fail(path_, std::strerror(errno));
 }
 
 void OutputFile::commit() {
-  if (std::fflush(file_) != 0) fail(temporary_, std::strerror(errno));
+  if (std::fflush(file_) != 0) fail(path_, std::strerror(errno));
   std::FILE* file = file_;
   file_ = nullptr;
   std::error_code error;

@@ -18,6 +18,7 @@ struct SheetP {
   std::string variant;
   double lowest, in_plane;              // to the digits of the published table
   double exact_lowest, exact_in_plane;  // of the independent implementation
+  friend void PrintTo(const SheetP& row, std::ostream* out) { *out << row.variant; }
 };
 
 class SheetPTest : public testing::TestWithParam<SheetP> {};
@@ -94,6 +95,7 @@ double in_plane_scale(Simulation& s) {
 struct SheetL {
   std::string variant;
   double centre, scale;
+  friend void PrintTo(const SheetL& row, std::ostream* out) { *out << row.variant; }
 };
 class SheetLTest : public testing::TestWithParam<SheetL> {};
 

@@ -146,6 +146,7 @@ struct Bad {
   SourcePosition at;
   std::string pointer;
   std::string part;  // Of the message.
+  friend void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.part; }
 };
 
 std::ostream& operator<<(std::ostream& out, const Bad& bad) {

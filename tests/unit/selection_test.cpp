@@ -74,6 +74,14 @@ TEST_F(Selection, TakesNamedPartsAndAllOfThem) {
   EXPECT_EQ(select({named(kCorners, {"all"})}), (Nodes{0}));
 }
 
+TEST(PeriodicSelection, ReachesOverTheSeam) {
+  test::FakeSurface surface(11, 3);
+  surface.set_period(1.1);  // node 10 is next to node 0
+  EXPECT_EQ(select_nodes(surface, {{centre({0, 0.1}, 0.11)}}),
+            (Nodes{0, 1, 10, 11, 12, 21, 22, 23, 32}));
+  EXPECT_EQ(select_nodes(surface, {{box({0.95, 0}, {1.15, 0})}}), (Nodes{0, 10}));
+}
+
 TEST_F(Selection, IsAUnionWithoutRepetition) {
   EXPECT_EQ(select({test::nodes_numbered({5, 0}).selectors[0], named(kBoundary, {"left"})}),
             (Nodes{0, 5, 11, 22}));

@@ -79,6 +79,9 @@ struct SolverCase {
   std::string name;
   ParameterValues values;
   bool symmetric;
+  friend void PrintTo(const SolverCase& c, std::ostream* out) {
+    *out << c.name << (c.symmetric ? ", symmetric" : ", unsymmetric");
+  }
 };
 
 class Solvers : public testing::TestWithParam<SolverCase> {
@@ -192,7 +195,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(SolverCase{"cholmod", {}, true}, cholmod_case("amd", "always"),
                     cholmod_case("metis", "never"), cholmod_case("natural", "never"),
                     cholmod_case("natural", "always"), SolverCase{"umfpack", {}, false},
-                    SolverCase{"umfpack", {}, true}));
+                    SolverCase{"umfpack", {}, true}, SolverCase{"eigen_lu", {}, false},
+                    SolverCase{"eigen_lu", {}, true}));
 
 TEST(Cholmod, NamesTheColumnWhereDefinitenessEnds) {
   for (const std::string supernodal : {"never", "always"}) {

@@ -1,5 +1,9 @@
 #include "deform/model/constraint.h"
 
+#include <string>
+
+#include "deform/error.h"
+
 namespace deform {
 
 Reduction::Reduction(Index nodes) : nodes_(nodes) {
@@ -7,7 +11,13 @@ Reduction::Reduction(Index nodes) : nodes_(nodes) {
 }
 
 void Reduction::prescribe(Index node, int component) {
-  prescribed_.at(static_cast<std::size_t>(component)).at(static_cast<std::size_t>(node)) = 1;
+  if (node < 0 || node >= nodes_)
+    throw Error(ExitCode::plugin_failed, "it prescribes node " + std::to_string(node) +
+                                             ", expected 0 to " + std::to_string(nodes_ - 1));
+  if (component < 0 || component > 2)
+    throw Error(ExitCode::plugin_failed, "it prescribes component " + std::to_string(component) +
+                                             ", expected 0, 1 or 2 for x, y or z");
+  prescribed_[static_cast<std::size_t>(component)][static_cast<std::size_t>(node)] = 1;
 }
 
 std::vector<Index> Reduction::free_nodes(int component) const {

@@ -15,6 +15,33 @@ std::vector<Coupling> couplings_among(std::initializer_list<Derivative> derivati
   return all;
 }
 
+void add_weighted_norm(double factor, const PairWeights& weights, const SampleBlock& block,
+                       ConstValues (GeometryBlock::*tensor)(Pair) const, Values density) {
+  for (const Pair ij : kPairs) {
+    const ConstValues now = (block.now.*tensor)(ij), rest = (block.rest.*tensor)(ij);
+    const double w = factor * multiplicity(ij) * weights(ij);
+    for (std::size_t s = 0; s < density.size(); ++s)
+      density[s] += w * (now[s] - rest[s]) * (now[s] - rest[s]);
+  }
+}
+
+void SampleBlock::difference(Derivative op, int f, Values out) const {
+  if (differences == nullptr)
+    throw Error(ExitCode::plugin_failed,
+                "the term differences a field of samples but does not declare strong_form");
+  if (f < 0 || static_cast<std::size_t>(f) >= auxiliary.size())
+    throw Error(ExitCode::plugin_failed,
+                "the term differences auxiliary field " + std::to_string(f) + " but declares " +
+                    std::to_string(auxiliary.size()) + " of them");
+  differences->apply(op, auxiliary[static_cast<std::size_t>(f)], first(), out);
+}
+
+void AffineStress::undeclared(Channel m) {
+  throw Error(ExitCode::plugin_failed,
+              "affine_stress writes channel " + std::to_string(slot(m)) +
+                  " of the strong form, which traits() does not promise");
+}
+
 void AffineStress::undeclared(Channel m, Derivative n) {
   throw Error(ExitCode::plugin_failed,
               "affine_stress writes the coupling (" + std::to_string(slot(m)) + ", " +

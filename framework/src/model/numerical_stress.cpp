@@ -7,6 +7,7 @@
 #include "deform/model/energy_term.h"
 
 #include "geometry/sample_geometry.h"
+#include "model/numerical_stress.h"
 
 namespace deform {
 namespace {
@@ -14,6 +15,9 @@ namespace {
 constexpr std::size_t kComponents = 15;  // 5 derivatives of 3 components
 /// Central differences of a smooth density: rounding and truncation errors balance near ε^(1/3).
 constexpr double kRelativeStep = 6e-6;
+
+/// By has_numerical_stress, on the thread that asks.
+thread_local bool was_asked = false;
 
 /// A copy of a block's geometry with one component of one derivative moved at every sample.
 class MovedBlock {
@@ -53,7 +57,21 @@ class MovedBlock {
 
 }  // namespace
 
+bool has_numerical_stress(const JetTerm& term, const SampleBlock& block) {
+  const auto size = static_cast<std::size_t>(block.size());
+  std::vector<double> numbers(3 * kChannels * size);
+  Stress sigma;
+  for (std::size_t m = 0; m < sigma.sigma.size(); ++m) {
+    double* const x = numbers.data() + 3 * m * size;
+    sigma.sigma[m] = {x, x + size, x + 2 * size};
+  }
+  was_asked = false;
+  term.stress(block, sigma);
+  return was_asked;
+}
+
 void JetTerm::stress(const SampleBlock& block, const Stress& sigma) const {
+  was_asked = true;
   const auto size = static_cast<std::size_t>(block.size());
   MovedBlock moved(block.now);
   SampleBlock there = block;

@@ -1,34 +1,36 @@
-/// The exception boundary: whatever a plugin throws while it runs is reported with its name and file.
+/// The exception boundary: whatever a plugin throws while it runs is reported with its name and
+/// file.
 #pragma once
 
-#include <exception>
 #include <string>
 #include <utility>
 
 #include "deform/error.h"
 
+#include "plugin/boundary.h"
+#include "solve/not_finite.h"
+
 namespace deform {
 
-/// Calls f() for the plugin `origin`, who is `doing` something. Failures that are named already and divergences
-/// pass; anything else becomes a PluginFailure.
+/// Calls f() for the plugin `origin`, who is `doing` something. Divergences pass, and errors that
+/// name what failed: a plugin that this one called, a file that cannot be written. Anything else
+/// becomes a PluginFailure. What is thrown is of the framework's own classes: it may outlive the
+/// plugin's library.
 template <class F>
 decltype(auto) guarded(const std::string& origin, const char* doing, F&& f) {
-  const auto fail = [&](const std::string& cause) -> PluginFailure {
-    return PluginFailure("plugin " + origin + " failed while " + doing + ": " + cause);
-  };
   try {
     return std::forward<F>(f)();
-  } catch (const PluginFailure&) {
-    throw;
-  } catch (const Diverged&) {
-    throw;
+  } catch (const Diverged& diverged) {
+    throw Diverged(diverged);
+  } catch (const NotFinite& not_finite) {
+    throw NotFinite(not_finite);
   } catch (const Error& error) {
-    if (error.code() == ExitCode::diverged) throw;
-    throw fail(error.what());
-  } catch (const std::exception& error) {
-    throw fail(error.what());
+    if (error.code() == ExitCode::diverged || error.code() == ExitCode::internal_error)
+      throw Error(error);
+    if (names_a_plugin(error)) throw PluginFailure(error.what());
+    throw PluginFailure(failure_text(origin, doing, error.what()));
   } catch (...) {
-    throw fail("it threw something that is not a std::exception");
+    throw PluginFailure(failure_text(origin, doing, cause_of_current_exception()));
   }
 }
 

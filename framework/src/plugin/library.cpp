@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <mutex>
 #include <set>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <boost/dll/shared_library.hpp>
 
@@ -21,6 +23,9 @@
 #include "deform/surface/surface.h"
 
 #include "plugin/boundary.h"
+#include "plugin/elf_check.h"
+#include "plugin/guarded_parts.h"
+#include "surface/surface_check.h"
 
 namespace deform {
 namespace {
@@ -33,11 +38,25 @@ std::string in_quotes(std::string_view text) { return '"' + std::string(text) + 
   throw InputError(path.string() + ": " + why);
 }
 
+/// There is no hot reload: what was loaded stays until the process ends. An exception of a class of a plugin's own
+/// may be destroyed after everything else that kept its library.
+void keep_until_exit(const std::shared_ptr<dll::shared_library>& library) {
+  static std::mutex mutex;
+  static auto& kept = *new std::vector<std::shared_ptr<dll::shared_library>>;
+  const std::lock_guard lock(mutex);
+  kept.push_back(library);
+}
+
 std::shared_ptr<dll::shared_library> open_library(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) reject(path, "there is no such file");
+  if (const std::string why = elf_objection(path); !why.empty()) {
+    reject(path, "cannot be loaded: it " + why);
+  }
   try {
-    return std::make_shared<dll::shared_library>(path, dll::load_mode::rtld_now);
+    const auto library = std::make_shared<dll::shared_library>(path, dll::load_mode::rtld_now);
+    keep_until_exit(library);
+    return library;
   } catch (...) {
     reject(path, "cannot be loaded: " + cause_of_current_exception());
   }
@@ -166,7 +185,8 @@ std::shared_ptr<Plugin> LoadedPlugin::create(const ParameterValues& values,
   } catch (const InputError& error) {
     throw InputError(error.problems());  // A copy: the plugin may have thrown a class of its own.
   } catch (const PluginFailure& failure) {
-    throw PluginFailure(failure.what());  // Of a plugin that this one asked for: it names that one.
+    if (names_a_plugin(failure)) throw PluginFailure(failure.what());  // one that this one asked for
+    throw PluginFailure(origin() + " could not be made: " + failure.what());
   } catch (...) {
     throw PluginFailure(origin() + " could not be made: " + cause_of_current_exception());
   }
@@ -176,7 +196,23 @@ std::shared_ptr<Plugin> LoadedPlugin::create(const ParameterValues& values,
   }
   // Not shared by make_shared: the object's memory, and the code that frees it, are the library's,
   // which the deleter keeps loaded.
-  return {object.release(), [library = library_](Plugin* plugin) { delete plugin; }};
+  std::shared_ptr<Plugin> shared(object.release(),
+                                 [library = library_](Plugin* plugin) { delete plugin; });
+  return checked(std::move(shared));
+}
+
+std::shared_ptr<Plugin> LoadedPlugin::checked(std::shared_ptr<Plugin> object) const {
+  switch (file_.kind) {
+    case PluginKind::surface:
+      check_surface(dynamic_cast<const Surface&>(*object), origin());
+      return object;
+    case PluginKind::shape:
+      return std::make_shared<GuardedShape>(origin(), std::move(object));
+    case PluginKind::normal:
+      return std::make_shared<GuardedNormal>(origin(), std::move(object));
+    default:
+      return object;
+  }
 }
 
 LoadedPlugin load_plugin(const std::filesystem::path& library) {

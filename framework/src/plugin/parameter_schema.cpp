@@ -1,149 +1,27 @@
-#include <array>
-
 #include "deform/plugin/registry.h"
 
-#include "scene/value_json.h"
+#include "plugin/field_schema.h"
+#include "scene/json_schema.h"
 
 namespace deform {
 namespace {
 
-/// JSON Schema of the values of one field; one overload for each alternative of ParameterValue.
-class FieldSchema {
- public:
-  explicit FieldSchema(const ParameterField& field) : field_(field) {}
-
-  Json operator()(bool /*value*/) const { return boolean(); }
-  Json operator()(std::int64_t /*value*/) const { return integer(); }
-  Json operator()(double /*value*/) const { return number(); }
-  Json operator()(const std::string& /*value*/) const { return text(); }
-  Json operator()(const std::filesystem::path& /*value*/) const { return type("string"); }
-  Json operator()(const Vec2& /*value*/) const { return list(number(), 2); }
-  Json operator()(const Vec3& /*value*/) const { return list(number(), 3); }
-  Json operator()(const PairWeights& /*value*/) const {
-    return any_of({number(), list(list(number(), 2), 2)});
-  }
-  Json operator()(const std::vector<double>& /*value*/) const { return list(number()); }
-  Json operator()(const std::vector<std::int64_t>& /*value*/) const { return list(integer()); }
-  Json operator()(const std::vector<bool>& /*value*/) const {
-    return any_of({boolean(), list(boolean())});
-  }
-  Json operator()(const std::vector<std::string>& /*value*/) const { return list(text()); }
-  Json operator()(const std::vector<Vec3>& /*value*/) const { return list(list(number(), 3)); }
-  Json operator()(const std::array<std::int64_t, 2>& /*value*/) const { return list(integer(), 2); }
-  Json operator()(const std::array<bool, 2>& /*value*/) const {
-    return any_of({boolean(), list(boolean(), 2)});
-  }
-  Json operator()(const TimeProfile& /*value*/) const {
-    const Json times = list(type("number"), 2);
-    Json table = list(times);
-    table["minItems"] = 1;
-    return any_of({type("number"), object({{"ramp", times}}), object({{"pulse", times}}),
-                   object({{"table", table}})});
-  }
-  Json operator()(const NodeSelection& /*value*/) const {
-    Json several = list(selector());
-    several["minItems"] = 1;
-    return any_of({selector(), several});
-  }
-  Json operator()(const PluginUse& /*value*/) const {
-    Json use = type("object");
-    use["required"] = Json::array({"plugin"});
-    use["properties"] = Json{{"plugin", type("string")}};
-    return any_of({type("string"), use});
-  }
-
- private:
-  using Members = std::vector<std::pair<std::string, Json>>;
-
-  static Json type(const char* name) { return Json{{"type", name}}; }
-  static Json boolean() { return type("boolean"); }
-
-  static Json any_of(const std::vector<Json>& schemas) {
-    Json choice = Json::object();
-    choice["anyOf"] = schemas;
-    return choice;
-  }
-  static Json list(const Json& items, int size = -1) {
-    Json schema = type("array");
-    schema["items"] = items;
-    if (size >= 0) schema["minItems"] = schema["maxItems"] = size;
-    return schema;
-  }
-  static Json object(const Members& members) {
-    Json schema = type("object");
-    schema["required"] = Json::array();
-    schema["properties"] = Json::object();
-    for (const auto& [name, member] : members) {
-      schema["required"].push_back(name);
-      schema["properties"][name] = member;
-    }
-    schema["additionalProperties"] = false;
-    return schema;
-  }
-  static Json selector() {
-    const Json point = list(type("number"), 2);
-    Json radius = type("number");
-    radius["minimum"] = 0;
-    const Json names = any_of({type("string"), list(type("string"))});
-    Json node = type("integer");
-    node["minimum"] = 0;
-    return any_of({object({{"centre", point}, {"radius", radius}}),
-                   object({{"box", list(point, 2)}}), object({{"boundary", names}}),
-                   object({{"corners", names}}), object({{"node", any_of({node, list(node)})}})});
-  }
-
-  template <class Number>
-  Json limited(const char* name) const {
-    Json schema = type(name);
-    const char* const lower = field_.minimum_excluded ? "exclusiveMinimum" : "minimum";
-    if (field_.minimum) schema[lower] = static_cast<Number>(*field_.minimum);
-    if (field_.maximum) schema["maximum"] = static_cast<Number>(*field_.maximum);
-    return schema;
-  }
-  [[nodiscard]] Json integer() const { return limited<std::int64_t>("integer"); }
-  [[nodiscard]] Json number() const {
-    const Json finite = limited<double>("number");
-    return field_.may_be_infinite ? any_of({finite, Json{{"const", "infinity"}}}) : finite;
-  }
-  [[nodiscard]] Json text() const {
-    Json schema = type("string");
-    if (!field_.choices.empty()) schema["enum"] = field_.choices;
-    return schema;
-  }
-
-  const ParameterField& field_;
-};
-
-Json field_schema(const ParameterField& field) {
-  Json schema = std::visit(FieldSchema(field), field.default_value);
-  schema["description"] = field.doc + (field.unit.empty() ? "" : " [" + field.unit + "]");
-  Json value = field.required ? Json() : to_json(field.default_value);
-  if (!value.is_null()) schema["default"] = std::move(value);
+/// Some plugin of a kind: which there are is for the schema of scenes to say.
+Json any_plugin(PluginKind /*kind*/) {
+  const Json object{{"type", "object"},
+                    {"required", Json::array({kPluginKey})},
+                    {"properties", Json{{kPluginKey, Json{{"type", "string"}}}}}};
+  Json schema = Json::object();
+  schema["anyOf"] = Json::array({Json{{"type", "string"}}, object});
   return schema;
 }
 
 }  // namespace
 
 std::string parameter_schema(const LoadedPlugin& plugin) {
-  const PluginFile& file = plugin.file();
-  Json properties{{"plugin", Json{{"const", file.name}}}};
-  Json required = Json::array({"plugin"});
-  const auto add = [&](const ParameterFields& fields) {
-    for (const ParameterField& field : fields) {
-      properties[field.name] = field_schema(field);
-      if (field.required) required.push_back(field.name);
-    }
-  };
-  add(common_fields(file.kind));
-  add(plugin.fields());
-  const Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
-                    {"title", std::string(name_of(file.kind)) + "/" + file.name},
-                    {"description", plugin.descriptor().text.summary},
-                    {"type", "object"},
-                    {"required", required},
-                    {"properties", properties},
-                    {"additionalProperties", false}};
-  return schema.dump(2, ' ', false, Json::error_handler_t::replace);
+  Json schema{{"$schema", kJsonSchemaDraft}};
+  schema.update(plugin_object_schema(plugin, any_plugin));
+  return schema_text(schema);
 }
 
 }  // namespace deform

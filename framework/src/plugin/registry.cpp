@@ -13,6 +13,7 @@
 
 #include "plugin/library.h"
 #include "scene/nearest_name.h"
+#include "scene/value_json.h"
 
 namespace deform {
 namespace {
@@ -52,7 +53,7 @@ fs::path installed_plugins() {
   std::error_code error;
   const fs::path inside = fs::path("deform") / "plugins";
   const fs::path program = boost::dll::program_location(error);
-  fs::path by_program = program.parent_path().parent_path() / "lib" / inside;
+  fs::path by_program = program.parent_path().parent_path() / DEFORM_INSTALL_LIBDIR / inside;
   if (!error && fs::is_directory(by_program, error)) return by_program;
   const fs::path library = boost::dll::this_line_location(error);
   fs::path by_library = library.parent_path() / inside;
@@ -120,6 +121,18 @@ std::vector<PluginFile> find_files(const std::vector<SearchFolder>& folders) {
   return files;
 }
 
+/// One library that stands for its kind and name, whatever else the folders hold.
+void prefer(const fs::path& library, std::vector<PluginFile>& files) {
+  const auto preferred = plugin_file(fs::absolute(library).lexically_normal());
+  if (!preferred) {
+    throw InputError(library.string() + ": a plugin's file must be named KIND-NAME.so");
+  }
+  const auto key = [](const PluginFile& file) { return std::tie(file.kind, file.name); };
+  std::erase_if(files, [&](const PluginFile& file) { return key(file) == key(*preferred); });
+  const auto at = std::ranges::lower_bound(files, key(*preferred), {}, key);
+  files.insert(at, *preferred);
+}
+
 /// A problem of a plugin that stands at `pointer` in the scene; problems of a plugin inside of it
 /// have their pointer already.
 Problem located(Problem problem, const std::string& pointer) {
@@ -161,7 +174,7 @@ struct PluginRegistry::Impl {
   }
 
   [[nodiscard]] std::string not_found(PluginKind kind, const std::string& name) const {
-    std::string message = "there is no " + std::string(name_of(kind)) + " plugin \"" + name + "\"";
+    std::string message = "there is no " + std::string(name_of(kind)) + " plugin " + shown(name);
     message += did_you_mean(name, names(kind));
     for (const PluginFile& file : files) {
       if (file.name == name) {
@@ -178,10 +191,11 @@ struct PluginRegistry::Impl {
   }
 };
 
-PluginRegistry::PluginRegistry(const std::vector<fs::path>& folders)
+PluginRegistry::PluginRegistry(const std::vector<fs::path>& folders, const fs::path& library)
     : impl_(std::make_unique<Impl>()) {
   impl_->folders = search_folders(folders);
   impl_->files = find_files(impl_->folders);
+  if (!library.empty()) prefer(library, impl_->files);
 }
 
 PluginRegistry::~PluginRegistry() = default;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "solve/not_finite.h"
+
 namespace deform {
 
 std::vector<JetTermUse> jet_terms(const System& system) {
@@ -35,6 +37,9 @@ void estimate_normals(const JetTermUse& use, const Geometry& lagged, const Geome
       normals.row(first + i) = estimate.at(i, jets, ij);
     }
   }
+  if (const Index s = first_not_finite(normals); s >= 0)
+    throw NotFinite("a normal that the estimator of '" + use.name + "' gives is not finite",
+                    use.samples->stencil(s).nodes.front(), use.name);
 }
 
 }  // namespace deform

@@ -54,6 +54,7 @@ class JsonDocument {
   [[nodiscard]] const Json& root() const { return root_; }
 
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::size_t bytes() const { return text_.size(); }
 
   /// Empty if the text is fine. All duplicate keys (up to kMaxProblems), then the syntax error that
   /// ended the parse, if any.

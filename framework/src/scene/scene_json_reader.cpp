@@ -33,7 +33,7 @@ class SectionReader {
     note_unknown_keys(json_, keys, "", "a scene", problems_);
     for (const SceneSection& section : scene_sections()) read(section);
     check_duration();
-    return problems_.empty() ? scene() : Scene{};
+    return problems_.empty() ? scene() : sound_parts();
   }
 
  private:
@@ -105,6 +105,11 @@ class SectionReader {
                                  std::string(name_of(section.kind)) + " plugins");
       return;
     }
+    if (array.size() > kMostPlugins) {
+      problems_.add(pointer, "found " + std::to_string(array.size()) + " " + section.key +
+                                 ", expected at most " + std::to_string(kMostPlugins));
+      return;
+    }
     auto& uses = uses_[section.key];
     for (std::size_t i = 0; i < array.size(); ++i) {
       uses.push_back(reader_.plugin(array[i], section.kind, child_pointer(pointer, i)));
@@ -154,7 +159,35 @@ class SectionReader {
     scene.probes = recorders("probes");
     scene.velocity = values_.get<Vec3>("velocity");
     scene.max_distance = objects_["limits"].get<double>("distance");
+    scene.checkpoint_every = objects_["checkpoint"].get<std::int64_t>("every");
+    scene.checkpoint_seconds = objects_["checkpoint"].get<double>("seconds");
     scene.completed = json_.dump(2) + '\n';
+    return scene;
+  }
+
+  /// What nothing is wrong with, of a scene that has problems.
+  Scene sound_parts() {
+    const auto sound = [this](const std::string& key) {
+      std::vector<PluginUse> uses = uses_[key];
+      std::erase_if(uses, [this](const PluginUse& use) {
+        return use.parameters == nullptr || problems_.any_within(use.pointer);
+      });
+      return uses;
+    };
+    const auto recorders_of = [](const std::vector<PluginUse>& uses) {
+      std::vector<RecorderUse> recorders;
+      for (const PluginUse& use : uses) recorders.push_back({use});
+      return recorders;
+    };
+    Scene scene;
+    const std::vector<PluginUse> surface = sound("surface");
+    if (surface.empty()) return scene;
+    scene.surface = surface.front();
+    scene.energies = sound("energies");
+    scene.forces = sound("forces");
+    scene.constraints = sound("constraints");
+    scene.outputs = recorders_of(sound("outputs"));
+    scene.probes = recorders_of(sound("probes"));
     return scene;
   }
 

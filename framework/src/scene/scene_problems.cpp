@@ -3,57 +3,38 @@
 #include <algorithm>
 #include <limits>
 #include <tuple>
+#include <utility>
 
 #include "scene/json_pointer.h"
 
 namespace deform {
-namespace {
 
-std::string place(const std::string& file, SourcePosition at) {
-  if (!at.known()) return file;
-  return file + ':' + std::to_string(at.line) + ':' + std::to_string(at.column);
-}
-
-}  // namespace
-
-void SceneProblems::moved(const std::string& pointer, const std::string& source_pointer) {
-  origins_.push_back({pointer, source_pointer, ""});
-}
-
-void SceneProblems::moved_from_outside(const std::string& pointer, const std::string& source) {
-  origins_.push_back({pointer, "", source});
+bool SceneProblems::is_full() {
+  if (problems_.size() < kMost) return false;
+  ++unlisted_;
+  return true;
 }
 
 void SceneProblems::add(const std::string& pointer, const std::string& rule) {
-  add(pointer, rule, false);
+  if (is_full()) return;
+  ScenePlace place = places_.of_value(pointer);
+  problems_.push_back({pointer, place.at, std::move(place.source), rule});
 }
 
 void SceneProblems::add_at_key(const std::string& pointer, const std::string& rule) {
-  add(pointer, rule, true);
+  if (is_full()) return;
+  ScenePlace place = places_.of_key(pointer);
+  problems_.push_back({pointer, place.at, std::move(place.source), rule});
 }
 
 void SceneProblems::add_outside(const std::string& source, const std::string& rule) {
-  problems_.push_back({"", {}, source, rule});
+  if (!is_full()) problems_.push_back({"", {}, source, rule});
 }
 
-void SceneProblems::add(const std::string& pointer, const std::string& rule, bool at_key) {
-  const auto origin = std::find_if(origins_.rbegin(), origins_.rend(),
-                                   [&](const Origin& o) { return is_within(pointer, o.pointer); });
-  std::string source = pointer;
-  if (origin != origins_.rend()) {
-    if (!origin->outside.empty()) {
-      problems_.push_back({pointer, {}, origin->outside, rule});
-      return;
-    }
-    source = origin->source_pointer + pointer.substr(origin->pointer.size());
-  }
-  SourcePosition at = at_key ? document_.key_position(source) : document_.position(source);
-  // What is missing, or was written out from a short form, has the place of what it belongs to.
-  while (!at.known() && !source.empty()) {
-    source = parent_pointer(source);
-    at = document_.position(source);
-  }
-  problems_.push_back({pointer, at, place(document_.name(), at), rule});
+bool SceneProblems::any_within(const std::string& pointer) const {
+  return unlisted_ > 0 || std::any_of(problems_.begin(), problems_.end(), [&](const auto& problem) {
+           return is_within(problem.pointer, pointer);
+         });
 }
 
 std::vector<SceneProblem> SceneProblems::sorted() const {
@@ -64,6 +45,10 @@ std::vector<SceneProblem> SceneProblems::sorted() const {
   };
   std::stable_sort(sorted.begin(), sorted.end(),
                    [&](const SceneProblem& a, const SceneProblem& b) { return key(a) < key(b); });
+  if (unlisted_ > 0) {
+    sorted.push_back(
+        {"", {}, document_.name(), "and " + std::to_string(unlisted_) + " more problems"});
+  }
   return sorted;
 }
 
@@ -75,7 +60,7 @@ Problem to_problem(const SceneProblem& problem, const std::string& variant) {
 }
 
 SceneProblem to_scene_problem(const JsonProblem& problem, const std::string& file) {
-  return {problem.pointer, problem.at, place(file, problem.at), problem.message};
+  return {problem.pointer, problem.at, to_string(file, problem.at), problem.message};
 }
 
 }  // namespace deform

@@ -5,7 +5,7 @@
 
 #include "deform/error.h"
 
-#include "scene/json_document.h"
+#include "scene/scene_places.h"
 
 namespace deform {
 
@@ -19,16 +19,14 @@ struct SceneProblem {
   bool operator==(const SceneProblem&) const = default;
 };
 
-/// Collects what is wrong with a scene. Knows where each value was written: in the file, in one of
-/// its variants, or on the command line.
+/// Collects what is wrong with a scene, each with its place.
 class SceneProblems {
  public:
-  explicit SceneProblems(const JsonDocument& document) : document_(document) {}
+  /// More than a user reads at a time. Further ones are only counted: each is located by a search
+  /// through the file, and there may be as many as the file has values.
+  static constexpr std::size_t kMost = 100;
 
-  /// The value at `pointer` is now that which stands at `source_pointer` of the file.
-  void moved(const std::string& pointer, const std::string& source_pointer);
-  /// The value at `pointer` is now `source`'s, which is not in the file.
-  void moved_from_outside(const std::string& pointer, const std::string& source);
+  explicit SceneProblems(const JsonDocument& document) : document_(document), places_(document) {}
 
   void add(const std::string& pointer, const std::string& rule);
   /// At the key of an object's member rather than at its value.
@@ -37,20 +35,21 @@ class SceneProblems {
   void add_outside(const std::string& source, const std::string& rule);
 
   [[nodiscard]] bool empty() const { return problems_.empty(); }
-  /// In the order of the file; those without a place there come last.
+  /// Whether there may be problems with a value or something in it.
+  [[nodiscard]] bool any_within(const std::string& pointer) const;
+  /// In the order of the file; those without a place there come last, and then how many more there
+  /// are.
   [[nodiscard]] std::vector<SceneProblem> sorted() const;
 
+  [[nodiscard]] ScenePlaces& places() { return places_; }
+
  private:
-  struct Origin {
-    std::string pointer;         // In the scene.
-    std::string source_pointer;  // In the file.
-    std::string outside;         // Not empty: not in the file.
-  };
-  void add(const std::string& pointer, const std::string& rule, bool at_key);
+  [[nodiscard]] bool is_full();
 
   const JsonDocument& document_;
-  std::vector<Origin> origins_;  // Later ones replace parts of earlier ones.
+  ScenePlaces places_;
   std::vector<SceneProblem> problems_;
+  std::size_t unlisted_ = 0;
 };
 
 /// A problem as programs print it: "FILE:LINE:COLUMN: variant 'x': at POINTER: …"; `variant` may be

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "deform/simulation/scene.h"
@@ -9,7 +12,9 @@
 #include "scene/json_pointer.h"
 #include "scene/nearest_name.h"
 #include "scene/scene_json_reader.h"
+#include "scene/scene_rules.h"
 #include "scene/value_json.h"
+#include "simulation/run_parts.h"
 
 namespace deform {
 namespace {
@@ -17,7 +22,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kBase = "base";
+constexpr const char* kVariantsKey = "variants";
 constexpr const char* kVariants = "/variants";
+
+/// What reading all variants may cost: bytes of the file, once for every variant and every change
+/// that it makes. Far beyond what anybody writes, and still a matter of seconds.
+constexpr double kMostWork = 2.5e8;
 
 /// Names of variants become names of folders and columns.
 bool is_variant_name(const std::string& name) {
@@ -45,20 +55,32 @@ std::optional<Json> replacement_value(const std::string& text) {
 /// replacements.
 class SceneDocument {
  public:
-  SceneDocument(const JsonDocument& document, fs::path folder, const PluginRegistry& registry)
-      : document_(document), folder_(std::move(folder)), registry_(registry) {}
+  SceneDocument(JsonDocument document, fs::path file, const PluginRegistry& registry)
+      : shared_document_(std::make_shared<const JsonDocument>(std::move(document))),
+        document_(*shared_document_),
+        file_(std::move(file)),
+        folder_(fs::absolute(file_).parent_path()),
+        registry_(registry) {}
 
   Scene read(const std::vector<Replacement>& replacements, const std::string& wanted) {
-    for (const JsonProblem& problem : document_.problems()) {
-      found_.push_back(to_problem(to_scene_problem(problem, document_.name())));
-    }
-    throw_found();
-    read_variants();
+    prepare();
     check_name(wanted);
-    Scene scene = check_all(replacements, wanted);
-    throw_found();
-    for (const auto& [name, changes] : variants_) scene.variants.push_back(name);
+    Scene scene;
+    check_all([&](Reading& reading) {
+      if (reading.scene.variant != wanted) return;
+      scene = replacements.empty() ? std::move(reading.scene)
+                                   : replaced(replacements, wanted, reading.problems);
+    });
+    throw_found_and_more();
     return scene;
+  }
+
+  std::vector<Scene> read_all() {
+    prepare();
+    std::vector<Scene> scenes;
+    check_all([&scenes](Reading& reading) { scenes.push_back(std::move(reading.scene)); });
+    throw_found_and_more();
+    return scenes;
   }
 
  private:
@@ -72,6 +94,24 @@ class SceneDocument {
     if (!found_.empty()) throw InputError(found_);
   }
 
+  /// Where there are problems, looks also for those that only show when the parts of the scene are
+  /// made: all are to be said at once.
+  void throw_found_and_more() {
+    if (found_.empty()) return;
+    std::set<std::string> known;  // what the variants share is said once
+    const auto look = [&](const std::string& variant) {
+      if (found_.size() >= SceneProblems::kMost) return;
+      const Scene scene = read_one(variant, {}).scene;
+      for (const Problem& problem : problems_of_sound_parts(scene, registry_)) {
+        const std::string told = scene.place(problem.pointer) + problem.message;
+        if (known.insert(told).second) found_.push_back(scene.located(problem));
+      }
+    };
+    look(kBase);
+    for (const auto& [name, changes] : variants_) look(name);
+    throw_found();
+  }
+
   void note(const std::vector<SceneProblem>& problems, const std::string& variant,
             const std::vector<SceneProblem>& known) {
     for (const SceneProblem& problem : problems) {
@@ -80,21 +120,48 @@ class SceneDocument {
     }
   }
 
-  void read_variants() {
+  /// Throws unless the text is JSON, and not too much of it; then knows the variants.
+  void prepare() {
+    for (const JsonProblem& problem : document_.problems()) {
+      found_.push_back(to_problem(to_scene_problem(problem, document_.name())));
+    }
+    throw_found();
+    base_ = document_.root();
+    if (base_.is_object()) base_.erase(kVariantsKey);
+    find_variants();
+    check_work();
+  }
+
+  void check_work() {
+    double readings = 1;
+    for (const auto& [name, changes] : variants_) {
+      readings += 1 + static_cast<double>(changes.size());
+    }
+    const double work = readings * static_cast<double>(document_.bytes());
+    if (work <= kMostWork && variants_.size() <= kMostVariants) return;
+    SceneProblems problems(document_);
+    problems.add(kVariants, "found " + std::to_string(variants_.size()) +
+                                " variants of a scene of " + std::to_string(document_.bytes()) +
+                                " bytes, which are too many: split the scene");
+    note(problems.sorted(), kBase, {});
+    throw_found();
+  }
+
+  void find_variants() {
     const Json& root = document_.root();
-    if (!root.is_object() || !root.contains("variants")) return;
-    const Json& variants = root["variants"];
+    if (!root.is_object() || !root.contains(kVariantsKey)) return;
+    const Json& variants = root[kVariantsKey];
     SceneProblems problems(document_);
     if (!variants.is_object()) {
       problems.add(kVariants, "found " + shown(variants) + ", expected an object of variants");
     } else {
-      for (const auto& variant : variants.items()) read_variant(variant, problems);
+      for (const auto& variant : variants.items()) find_variant(variant, problems);
     }
     note(problems.sorted(), kBase, {});
   }
 
   template <class Item>
-  void read_variant(const Item& variant, SceneProblems& problems) {
+  void find_variant(const Item& variant, SceneProblems& problems) {
     const std::string pointer = child_pointer(kVariants, variant.key());
     if (!is_variant_name(variant.key())) {
       problems.add_at_key(pointer, "found " + shown(variant.key()) +
@@ -116,27 +183,33 @@ class SceneDocument {
                                      did_you_mean(wanted, names)});
   }
 
-  /// Checks the base and every variant as the file has them, and the wanted one with its
-  /// replacements, which is returned. What is wrong with the base is not said again for the others.
-  Scene check_all(const std::vector<Replacement>& replacements, const std::string& wanted) {
-    const Reading base = read_one(kBase, {});
-    note(base.problems, kBase, {});
-    Reading of_wanted = base;
+  /// Reads the base and every variant as the file has them. What is wrong with the base is not said
+  /// again for the others.
+  void check_all(const std::function<void(Reading&)>& take) {
+    Reading base = read_one(kBase, {});
+    const std::vector<SceneProblem> known = base.problems;
+    note(known, kBase, {});
+    take(base);
     for (const auto& [name, changes] : variants_) {
+      if (found_.size() >= SceneProblems::kMost) break;  // enough to read, and to repair
       Reading variant = read_one(name, {});
-      note(variant.problems, name, base.problems);
-      if (name == wanted) of_wanted = std::move(variant);
+      note(variant.problems, name, known);
+      take(variant);
     }
-    if (replacements.empty()) return of_wanted.scene;
-    Reading replaced = read_one(wanted, replacements);
-    std::vector<SceneProblem> known = base.problems;
-    known.insert(known.end(), of_wanted.problems.begin(), of_wanted.problems.end());
-    note(replaced.problems, wanted, known);
-    return replaced.scene;
+  }
+
+  /// The wanted variant with replacements.
+  Scene replaced(const std::vector<Replacement>& replacements, const std::string& wanted,
+                 std::vector<SceneProblem> known) {
+    const std::vector<SceneProblem> of_base = read_one(kBase, {}).problems;
+    known.insert(known.end(), of_base.begin(), of_base.end());
+    Reading reading = read_one(wanted, replacements);
+    note(reading.problems, wanted, known);
+    return std::move(reading.scene);
   }
 
   Reading read_one(const std::string& variant, const std::vector<Replacement>& replacements) {
-    Json json = document_.root();
+    Json json = base_;
     SceneProblems problems(document_);
     for (const auto& [name, changes] : variants_) {
       if (name == variant) apply_variant(json, name, changes, problems);
@@ -144,8 +217,13 @@ class SceneDocument {
     for (const Replacement& replacement : replacements) {
       apply_replacement(json, replacement, problems);
     }
-    Reading reading{read_scene_json(json, registry_, folder_, problems), {}};
-    reading.problems = problems.sorted();
+    Reading reading{read_scene_json(json, registry_, folder_, problems), problems.sorted()};
+    Scene& scene = reading.scene;
+    scene.file = file_;
+    scene.variant = variant;
+    for (const auto& [name, changes] : variants_) scene.variants.push_back(name);
+    scene.place = [document = shared_document_, places = problems.places()](
+                      const std::string& pointer) { return places.of_value(pointer).source; };
     return reading;
   }
 
@@ -156,7 +234,7 @@ class SceneDocument {
       const std::string source = child_pointer(pointer, change.key());
       const std::string why = apply(json, change.key(), change.value());
       if (why.empty()) {
-        problems.moved(change.key(), source);
+        problems.places().moved(change.key(), source);
       } else {
         problems.add_at_key(source, why);
       }
@@ -169,7 +247,7 @@ class SceneDocument {
     const std::string why =
         !value ? "the value is not UTF-8" : apply(json, replacement.pointer, *value);
     if (why.empty()) {
-      problems.moved_from_outside(replacement.pointer, source);
+      problems.places().moved_from_outside(replacement.pointer, source);
     } else {
       problems.add_outside(source, why);
     }
@@ -185,36 +263,41 @@ class SceneDocument {
     });
   }
 
+  std::shared_ptr<const JsonDocument> shared_document_;  // scenes keep it, for their messages
   const JsonDocument& document_;
+  fs::path file_;
   fs::path folder_;
   const PluginRegistry& registry_;
+  Json base_;  // without variants
   std::vector<std::pair<std::string, Json>> variants_;
   std::vector<Problem> found_;
 };
-
-Scene read_document(const JsonDocument& document, const fs::path& file,
-                    const PluginRegistry& registry, const std::vector<Replacement>& replacements,
-                    const std::string& variant) {
-  const fs::path folder = fs::absolute(file).parent_path();
-  Scene scene = SceneDocument(document, folder, registry).read(replacements, variant);
-  scene.file = file;
-  return scene;
-}
 
 }  // namespace
 
 long Scene::steps() const { return std::lround(duration / step); }
 
+Problem Scene::located(Problem problem) const {
+  std::string front = (place ? place(problem.pointer) : file.string()) + ": ";
+  if (variant != kBase) front += "variant \"" + variant + "\": ";
+  if (!problem.message.starts_with(front)) problem.message = front + problem.message;
+  return problem;
+}
+
 Scene read_scene(const fs::path& file, const PluginRegistry& registry,
                  const std::vector<Replacement>& replacements, const std::string& variant) {
-  return read_document(JsonDocument::read(file), file, registry, replacements, variant);
+  return SceneDocument(JsonDocument::read(file), file, registry).read(replacements, variant);
 }
 
 Scene read_scene_text(const std::string& text, const std::string& name, const fs::path& folder,
                       const PluginRegistry& registry, const std::vector<Replacement>& replacements,
                       const std::string& variant) {
   const fs::path file = folder / fs::path(name).filename();
-  return read_document(JsonDocument::parse(text, name), file, registry, replacements, variant);
+  return SceneDocument(JsonDocument::parse(text, name), file, registry).read(replacements, variant);
+}
+
+std::vector<Scene> read_variants(const fs::path& file, const PluginRegistry& registry) {
+  return SceneDocument(JsonDocument::read(file), file, registry).read_all();
 }
 
 }  // namespace deform

@@ -52,6 +52,18 @@ struct Limits {
   }
 };
 
+struct CheckpointRules {
+  std::int64_t every = Scene{}.checkpoint_every;
+  double seconds = Scene{}.checkpoint_seconds;
+  static void declare(Declaration<CheckpointRules>& d) {
+    d("every", &CheckpointRules::every, "steps", "a checkpoint whenever so many are done; 0: never")
+        .at_least(0);
+    d("seconds", &CheckpointRules::seconds, "s",
+      "a checkpoint whenever so much time went by; 0: never")
+        .at_least(0);
+  }
+};
+
 SceneSection value(ParameterFields fields) {
   const std::string key = fields.front().name;
   return {key, Form::value, {}, fields.front().required, std::move(fields)};
@@ -88,6 +100,7 @@ const std::vector<SceneSection>& scene_sections() {
       value(fields_of<Duration>()),
       plugin(PluginKind::solver, false),
       object("limits", fields_of<Limits>()),
+      object("checkpoint", fields_of<CheckpointRules>()),
       plugins("outputs", PluginKind::output),
       plugins("probes", PluginKind::probe),
       other("shadow", Form::reserved),

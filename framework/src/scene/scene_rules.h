@@ -25,6 +25,10 @@ struct SceneSection {
   ParameterFields fields;  ///< of value and object
 };
 
+/// More than these nobody writes by hand, and a program that does has made a mistake.
+inline constexpr std::size_t kMostPlugins = 1000;  ///< in one list
+inline constexpr std::size_t kMostVariants = 1000;
+
 /// All keys of a scene, in the order in which a completed scene has them. The only place that says
 /// which there are.
 const std::vector<SceneSection>& scene_sections();

@@ -119,6 +119,7 @@ std::optional<NodeSelection> read_selection(const Json& json, const ValuePlace& 
                                             PlainReader& reader) {
   SelectorReader selectors(reader);
   NodeSelection selection;
+  selection.pointer = place.pointer;
   if (!json.is_array()) {
     auto selector = selectors.read(json, place);
     if (!selector) return std::nullopt;

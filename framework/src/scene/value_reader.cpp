@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "plugin/field_schema.h"
 #include "plugin/parameter_text.h"
 #include "scene/json_pointer.h"
 #include "scene/profile_reader.h"
@@ -10,8 +11,6 @@
 
 namespace deform {
 namespace {
-
-constexpr const char* kPluginKey = "plugin";
 
 std::vector<std::string> names_of(const ParameterFields& fields) {
   std::vector<std::string> names;

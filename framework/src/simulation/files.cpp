@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include "deform/error.h"
 
@@ -48,6 +49,12 @@ int write_all(int descriptor, std::string_view content) {
   return 0;
 }
 
+/// Shortens a file and goes to its end; 0, or −1 with errno.
+int cut_to(int descriptor, std::size_t size) {
+  const auto end = static_cast<off_t>(size);
+  return ::ftruncate(descriptor, end) == 0 && ::lseek(descriptor, end, SEEK_SET) == end ? 0 : -1;
+}
+
 /// Makes a rename in the folder survive a power cut; where a file system cannot do that, so be it.
 void sync_folder(const std::filesystem::path& folder) {
   const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -77,10 +84,39 @@ void write_atomically(const std::filesystem::path& file, std::string_view conten
   sync_folder(std::filesystem::absolute(file).parent_path());
 }
 
-AppendFile::AppendFile(std::filesystem::path file)
+std::optional<std::string> read_file(const std::filesystem::path& file) {
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (descriptor.get() < 0) {
+    if (errno == ENOENT) return std::nullopt;
+    fail("read", file, errno);
+  }
+  struct stat status {};
+  if (::fstat(descriptor.get(), &status) != 0) fail("read", file, errno);
+  if (!S_ISREG(status.st_mode)) fail("read", file, EINVAL);
+  std::string content(static_cast<std::size_t>(status.st_size), '\0');
+  std::size_t size = 0;
+  while (size < content.size()) {
+    const ssize_t count = ::read(descriptor.get(), content.data() + size, content.size() - size);
+    if (count < 0 && errno != EINTR) fail("read", file, errno);
+    if (count == 0) break;  // somebody cuts it short
+    if (count > 0) size += static_cast<std::size_t>(count);
+  }
+  content.resize(size);
+  return content;
+}
+
+AppendFile::AppendFile(std::filesystem::path file, std::size_t keep)
     : file_(std::move(file)),
-      descriptor_(::open(file_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
+      descriptor_(
+          ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (keep > 0 ? 0 : O_TRUNC), 0666)),
+      size_(keep) {
   if (descriptor_ < 0) fail("make", file_, errno);
+  const off_t end = ::lseek(descriptor_, 0, SEEK_END);
+  int error = end < 0 ? errno : std::cmp_less(end, keep) ? EINVAL : 0;
+  if (error == 0 && cut_to(descriptor_, keep) != 0) error = errno;
+  if (error == 0) return;
+  ::close(descriptor_);
+  fail("go on with", file_, error);
 }
 
 AppendFile::~AppendFile() { ::close(descriptor_); }
@@ -88,10 +124,14 @@ AppendFile::~AppendFile() { ::close(descriptor_); }
 void AppendFile::append(std::string_view record) {
   if (const int error = write_all(descriptor_, record); error != 0) {
     // Half a record would make the whole file unreadable to some.
-    if (::ftruncate(descriptor_, size_) == 0) ::lseek(descriptor_, size_, SEEK_SET);
+    (void)cut_to(descriptor_, size_);
     fail("write", file_, error);
   }
-  size_ += static_cast<long>(record.size());
+  size_ += record.size();
+}
+
+void AppendFile::sync() {
+  if (::fsync(descriptor_) != 0) fail("write", file_, errno);
 }
 
 }  // namespace deform

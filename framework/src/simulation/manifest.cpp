@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <ctime>
+#include <set>
 #include <string>
 #include <thread>
 #include <unistd.h>
@@ -13,6 +14,7 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include "deform/log.h"
 #include "deform/version.h"
 
 #include "simulation/files.h"
@@ -86,6 +88,7 @@ Manifest::Manifest(const Scene& scene, const PluginRegistry& registry, const Run
   json_["scene"] = std::filesystem::absolute(scene.file).string();
   json_["command_line"] = options.command_line;
   json_["started"] = utc_now();
+  json_["resumed_after_step"] = nullptr;
   json_["host"] = host_name();
   json_["cpus"] = std::thread::hardware_concurrency();
   json_["threads"] = threads();
@@ -93,6 +96,22 @@ Manifest::Manifest(const Scene& scene, const PluginRegistry& registry, const Run
   json_["plugins"] = Json::array();
   for (const LoadedPlugin* plugin : plugins_used(scene, registry)) {
     json_["plugins"].push_back(describe(*plugin));
+  }
+}
+
+void Manifest::resume(long step, const Json& earlier) {
+  json_["resumed_after_step"] = step;
+  std::set<std::string> known;
+  const Json plugins = earlier.is_object() ? earlier.value("plugins", Json::array()) : Json();
+  for (const Json& plugin : plugins) {
+    if (plugin.is_object()) known.insert(plugin.value("sha256", Json()).dump());
+  }
+  for (const Json& plugin : json_["plugins"]) {
+    if (known.contains(plugin["sha256"].dump())) continue;
+    log::warn(
+        fmt::format("{} is not the file that the run began with: the result may differ from "
+                    "that of a run without interruption",
+                    plugin["file"].get<std::string>()));
   }
 }
 

@@ -17,6 +17,8 @@ class Manifest {
  public:
   Manifest(const Scene& scene, const PluginRegistry& registry, const RunOptions& options);
 
+  /// The run goes on after `step`. Warns of plugins that are not those of the `earlier` manifest.
+  void resume(long step, const Json& earlier);
   void finish(const RunResult& result, const std::string& solver_choice);
   /// Throws Error when it cannot be written.
   void write(const std::filesystem::path& folder) const;

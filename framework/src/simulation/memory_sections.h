@@ -27,4 +27,14 @@ void load_section(Object& object, const std::string& section, const Memory& memo
   object.load(own);
 }
 
+/// save_section of a plugin's object; `origin` names it in the PluginFailure that whatever it
+/// throws becomes.
+void save_plugin(const Plugin& plugin, const std::string& origin, const std::string& section,
+                 Memory& memory);
+
+/// load_section of a plugin's object. Throws InputError with the plugin's name when it does not
+/// take its memory, PluginFailure for whatever else it throws.
+void load_plugin(Plugin& plugin, const std::string& origin, const std::string& section,
+                 const Memory& memory);
+
 }  // namespace deform

@@ -27,7 +27,10 @@ void PartMaker::add(const std::vector<Problem>& problems) {
 }
 
 void PartMaker::throw_problems() const {
-  if (!problems_.empty()) throw InputError(problems_);
+  if (problems_.empty()) return;
+  std::vector<Problem> placed;
+  for (const Problem& problem : problems_) placed.push_back(scene_.located(problem));
+  throw InputError(std::move(placed));
 }
 
 std::string PartMaker::unique_name(PluginKind kind, const std::string& name) {

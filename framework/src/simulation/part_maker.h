@@ -40,7 +40,7 @@ class PartMaker {
 
   [[nodiscard]] const std::vector<Problem>& problems() const { return problems_; }
   void add(const std::vector<Problem>& problems);
-  /// Throws InputError with all problems, when there are any.
+  /// Throws InputError with all problems, each with its place in the scene, when there are any.
   void throw_problems() const;
 
  private:

@@ -42,12 +42,19 @@ void ColumnSummary::add(double figure) {
   maximum = std::fmax(maximum, figure);
 }
 
-ProbeTable::ProbeTable(const std::filesystem::path& file, std::span<const ProbeColumn> columns)
-    : file_(file) {
+ProbeTable::ProbeTable(const std::filesystem::path& file, std::span<const ProbeColumn> columns,
+                       std::size_t keep)
+    : file_(file, keep) {
+  if (keep > 0) return;
   row_ = "step,time [s]";
   for (const ProbeColumn& column : columns) row_ += ',' + csv_field(header_of(column));
   row_ += '\n';
   file_.append(row_);
+}
+
+std::size_t ProbeTable::sync() {
+  file_.sync();
+  return file_.size();
 }
 
 void ProbeTable::append(long step, double time, std::span<const double> figures) {

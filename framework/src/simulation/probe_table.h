@@ -33,14 +33,18 @@ struct ColumnSummary {
   void add(double figure);
 };
 
-/// Writes probes.csv: `step,time [s]` and a column a figure; a row a call, on disk when the call
-/// returns.
+/// Writes probes.csv: `step,time [s]` and a column a figure; a row a call, in the file when the
+/// call returns.
 class ProbeTable {
  public:
-  /// Throws Error when the file cannot be written.
-  ProbeTable(const std::filesystem::path& file, std::span<const ProbeColumn> columns);
+  /// Starts the file, or goes on after the first `keep` bytes of the one that is there. Throws
+  /// Error when the file cannot be written.
+  ProbeTable(const std::filesystem::path& file, std::span<const ProbeColumn> columns,
+             std::size_t keep = 0);
   /// Figures that are NaN become empty fields; the others come back with the same bits when read.
   void append(long step, double time, std::span<const double> figures);
+  /// Has all rows put on disk; returns the size of the file. Throws Error when it cannot.
+  [[nodiscard]] std::size_t sync();
 
  private:
   AppendFile file_;

@@ -1,7 +1,9 @@
 #include "simulation/recorders.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <exception>
 #include <span>
 #include <utility>
@@ -9,8 +11,25 @@
 #include <fmt/format.h>
 
 #include "plugin/guard.h"
+#include "simulation/memory_sections.h"
 
 namespace deform {
+namespace {
+
+/// What a figure is until its probe writes it: a NaN that no arithmetic gives, so that a figure
+/// which was not written is told from one that is not there (kNoFigure).
+const auto kUnwritten = std::bit_cast<double>(std::uint64_t{0x7FF8'0BAD'0BAD'0BAD});
+/// Behind a probe's figures, for those that write too many.
+constexpr std::size_t kMargin = 16;
+
+/// Where a checkpoint keeps last, smallest and largest figure of each column.
+constexpr const char* kFigures = "probes/figures";
+
+bool is_written(double figure) {
+  return std::bit_cast<std::uint64_t>(figure) != std::bit_cast<std::uint64_t>(kUnwritten);
+}
+
+}  // namespace
 
 ProbeRecorder::ProbeRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker,
                              const Setup& setup) {
@@ -30,6 +49,9 @@ void ProbeRecorder::begin(const RunContext& context) {
         const std::vector<ProbeColumn> columns = entry.probe.object->columns();
         entry.first = columns_.size();
         entry.size = columns.size();
+        for (const ProbeColumn& column : columns) {
+          if (column.name.empty()) throw Error(ExitCode::plugin_failed, "a column has no name");
+        }
         columns_.insert(columns_.end(), columns.begin(), columns.end());
       } catch (const InputError& e) {
         for (const Problem& problem : e.problems()) {
@@ -45,8 +67,30 @@ void ProbeRecorder::begin(const RunContext& context) {
   row_.resize(columns_.size());
 }
 
-void ProbeRecorder::open(const std::filesystem::path& file) {
-  table_ = std::make_unique<ProbeTable>(file, columns_);
+void ProbeRecorder::open(const std::filesystem::path& file, std::size_t keep) {
+  table_ = std::make_unique<ProbeTable>(file, columns_, keep);
+}
+
+std::size_t ProbeRecorder::sync() { return table_->sync(); }
+
+void ProbeRecorder::save(Memory& memory) const {
+  std::vector<double> figures;
+  for (const ColumnSummary& s : summaries_)
+    figures.insert(figures.end(), {s.last, s.minimum, s.maximum});
+  memory.put(kFigures, figures);
+  for (const Entry& entry : probes_) {
+    save_plugin(*entry.probe.object, entry.probe.origin, "probe/" + entry.probe.name, memory);
+  }
+}
+
+void ProbeRecorder::load(const Memory& memory) {
+  const std::vector<double>& figures = memory.get(kFigures, 3 * summaries_.size());
+  for (std::size_t i = 0; i < summaries_.size(); ++i) {
+    summaries_[i] = {figures[3 * i], figures[3 * i + 1], figures[3 * i + 2]};
+  }
+  for (const Entry& entry : probes_) {
+    load_plugin(*entry.probe.object, entry.probe.origin, "probe/" + entry.probe.name, memory);
+  }
 }
 
 void ProbeRecorder::follow(const Frame& frame) {
@@ -56,8 +100,15 @@ void ProbeRecorder::follow(const Frame& frame) {
 }
 
 void ProbeRecorder::measure(const Entry& entry, const Frame& frame) {
-  const Values figures = std::span(row_).subspan(entry.first, entry.size);
+  figures_.assign(entry.size + kMargin, kUnwritten);
+  const Values figures = std::span(figures_).first(entry.size);
   guarded(entry.probe.origin, "measuring", [&] { entry.probe.object->measure(frame, figures); });
+  const auto written = static_cast<std::size_t>(std::ranges::count_if(figures_, is_written));
+  if (written != entry.size) {
+    throw PluginFailure(fmt::format("plugin {} wrote {} figures, expected {}, one for each column",
+                                    entry.probe.origin, written, entry.size));
+  }
+  std::ranges::copy(figures, row_.begin() + static_cast<std::ptrdiff_t>(entry.first));
   for (std::size_t i = entry.first; i < entry.first + entry.size; ++i) {
     if (std::isinf(row_[i])) {
       throw PluginFailure(
@@ -108,6 +159,18 @@ void OutputRecorder::record(const Frame& frame, bool all) {
     if (frame.step == entry.last || !(all || frame.step % entry.every == 0)) continue;
     guarded(entry.output.origin, "writing", [&] { entry.output.object->write(frame); });
     entry.last = frame.step;
+  }
+}
+
+void OutputRecorder::save(Memory& memory) const {
+  for (const Entry& entry : outputs_) {
+    save_plugin(*entry.output.object, entry.output.origin, "output/" + entry.output.name, memory);
+  }
+}
+
+void OutputRecorder::load(const Memory& memory) {
+  for (const Entry& entry : outputs_) {
+    load_plugin(*entry.output.object, entry.output.origin, "output/" + entry.output.name, memory);
   }
 }
 

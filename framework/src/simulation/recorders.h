@@ -23,14 +23,21 @@ class ProbeRecorder {
 
   /// Begins the probes, whose columns are known then. Throws InputError for what a probe rejects.
   void begin(const RunContext& context);
-  /// Starts the file.
-  void open(const std::filesystem::path& file);
+  /// Starts the file, or goes on after its first `keep` bytes.
+  void open(const std::filesystem::path& file, std::size_t keep = 0);
+  /// Has all rows put on disk; returns the size of the file.
+  [[nodiscard]] std::size_t sync();
   /// To be called after every step.
   void follow(const Frame& frame);
   [[nodiscard]] bool due(long step) const;
   /// Writes a row with the figures that are due at this step, or all; no row when none is due, or
   /// when the step has one already.
   void record(const Frame& frame, bool all);
+
+  /// What the probes remember and the figures so far. Loading comes after `begin`; it throws
+  /// InputError when the memory is not that of these probes.
+  void save(Memory& memory) const;
+  void load(const Memory& memory);
 
   [[nodiscard]] bool none() const { return probes_.empty(); }
   [[nodiscard]] const std::vector<ProbeColumn>& columns() const { return columns_; }
@@ -50,7 +57,8 @@ class ProbeRecorder {
   std::vector<ProbeColumn> columns_;
   std::vector<ColumnSummary> summaries_;
   std::vector<double> row_;
-  long last_row_ = -1;  // step
+  std::vector<double> figures_;  // of one probe, with a margin
+  long last_row_ = -1;           // step
   std::unique_ptr<ProbeTable> table_;
 };
 
@@ -62,6 +70,9 @@ class OutputRecorder {
   /// Writes the outputs that are due at this step, or all; none twice at a step.
   void record(const Frame& frame, bool all);
   [[nodiscard]] bool due(long step) const;
+  /// What the outputs remember. Loading comes after `begin`.
+  void save(Memory& memory) const;
+  void load(const Memory& memory);
   /// Ends every output that was begun, even where another one fails; then throws the first failure.
   void end();
 

@@ -13,60 +13,37 @@
 #include "deform/log.h"
 
 #include "scene/json.h"
+#include "simulation/checkpoint.h"
 #include "simulation/files.h"
 #include "simulation/manifest.h"
-#include "simulation/part_maker.h"
-#include "simulation/recorders.h"
+#include "simulation/memory_sections.h"
+#include "simulation/resumption.h"
 #include "simulation/run_directory.h"
 #include "simulation/run_log.h"
+#include "simulation/run_parts.h"
+#include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 
 namespace deform {
 namespace {
 
-/// What a run is made of; made before anything is written.
-struct Parts {
-  std::unique_ptr<Simulation> simulation;
-  std::optional<ProbeRecorder> probes;
-  std::optional<OutputRecorder> outputs;
-};
-
-/// Throws InputError with the problems of the model, the probes and the outputs together.
-Parts make_parts(const Scene& scene, const std::shared_ptr<const PluginRegistry>& registry) {
-  std::shared_ptr<const Surface> own;  // where there is no simulation to take it from
-  Parts parts;
-  PartMaker maker(scene, registry);
-  const Surface* surface = nullptr;
-  try {
-    parts.simulation = std::make_unique<Simulation>(scene, registry);
-    surface = &parts.simulation->system().surface();
-  } catch (const InputError& e) {
-    // Look at probes and outputs all the same, if there is a surface for them to look at.
-    PartMaker again(scene, registry);
-    if (auto made = again.make<Surface>(scene.surface, again.setup())) own = made->object;
-    surface = own.get();
-    maker.add(e.problems());
-  }
-  if (surface != nullptr) {
-    const Setup setup = maker.setup(*surface, surface->rest());
-    parts.probes.emplace(scene.probes, maker, setup);
-    parts.outputs.emplace(scene.outputs, maker, setup);
-  }
-  maker.throw_problems();
-  return parts;
-}
-
 /// One run from its first to its last file.
 class Recording {
  public:
+  /// Throws InputError when the scene or the checkpoint cannot be used; writes nothing.
   Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-            const RunOptions& options);
+            const RunOptions& options, Resumption found);
   RunResult execute();
 
  private:
+  void load_checkpoint();
+  void prepare_folder();
   void start();
   void step_to_end();
-  void record(bool last);
+  /// What comes between two steps. Returns whether there is a next one.
+  [[nodiscard]] bool settle();
+  void save_checkpoint();
+  void record(bool all_probes, bool all_outputs);
   /// Calls action(frame); what it makes the System compute counts as output, not as the model's
   /// time.
   template <class Action>
@@ -89,33 +66,68 @@ class Recording {
   const Scene& scene_;
   const RunOptions& options_;
   std::filesystem::path folder_;
-  Parts parts_;
+  Resumption found_;
+  RunParts parts_;
   std::optional<RunContext> context_;
   Manifest manifest_;
+  CheckpointSchedule schedule_;
+  long checkpoint_step_ = -1;  // of the checkpoint in the folder
   std::optional<Diverged> divergence_;
   RunResult result_;
 };
 
 Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-                     const RunOptions& options)
+                     const RunOptions& options, Resumption found)
     : scene_(scene),
       options_(options),
       folder_(std::filesystem::absolute(options.folder)),
-      parts_(make_parts(scene, registry)),
-      manifest_(scene, *registry, options) {
-  Simulation& simulation = *parts_.simulation;
-  context_.emplace(RunContext{folder_, scene.title, simulation.system(),
-                              [&simulation] { return simulation.mirrored(); }});
-  parts_.probes->begin(*context_);  // may still reject the scene, so comes before the folder
+      found_(std::move(found)),
+      parts_(make_run_parts(scene, registry)),
+      manifest_(scene, *registry, options),
+      schedule_(scene) {
+  context_.emplace(make_run_context(parts_, folder_));
+  context_->resumed = found_.checkpoint.has_value();
+  begin_probes(parts_, *context_);  // may still reject the scene, so comes before the folder
+  if (found_.checkpoint) load_checkpoint();
+}
+
+void Recording::load_checkpoint() {
+  const Checkpoint& checkpoint = *found_.checkpoint;
+  try {
+    load_section(*parts_.simulation, "simulation", checkpoint.memory);
+    if (parts_.simulation->steps() != checkpoint.step)
+      throw InputError("its numbers of steps are two");
+    parts_.probes->load(checkpoint.memory);
+  } catch (const InputError& e) {
+    throw InputError(
+        fmt::format("cannot resume from {}: {}", checkpoint_file(folder_).string(), e.what()));
+  }
+  checkpoint_step_ = result_.resumed_after = checkpoint.step;
+}
+
+void Recording::prepare_folder() {
+  if (found_.checkpoint) {
+    remove_half_written(folder_);
+  } else {
+    make_run_directory(folder_);
+  }
+  manifest_.write(folder_);  // first: from here on the folder is known as one of ours
 }
 
 RunResult Recording::execute() {
-  make_run_directory(folder_);
-  manifest_.write(folder_);  // first: from here on the folder is known as one of ours
-  const RunLog log(folder_ / "log.txt");
-  write_atomically(folder_ / "scene.json", scene_.completed);
+  prepare_folder();
+  const RunLog log(folder_ / "log.txt", found_.checkpoint.has_value());
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
+  if (found_.checkpoint) {
+    log::info(fmt::format("resumed after step {}", checkpoint_step_));
+    manifest_.resume(checkpoint_step_, found_.manifest);
+    manifest_.write(folder_);
+  } else if (options_.resume) {
+    log::warn(fmt::format("there is no checkpoint in {}: the run starts anew", folder_.string()));
+  }
+  write_atomically(folder_ / "scene.json", scene_.completed);
   try {
+    for (const std::string& note : parts_.simulation->system().notes()) log::info(note);
     start();
     const Stopwatch watch(result_.stepping_seconds);
     step_to_end();
@@ -132,28 +144,53 @@ RunResult Recording::execute() {
 }
 
 void Recording::start() {
-  parts_.probes->open(folder_ / "probes.csv");
+  parts_.probes->open(folder_ / "probes.csv",
+                      found_.checkpoint ? found_.checkpoint->table_bytes : 0);
   parts_.outputs->begin(*context_);
-  record(scene_.steps() == 0);
+  if (found_.checkpoint) parts_.outputs->load(found_.checkpoint->memory);
 }
 
 void Recording::step_to_end() {
-  const long total = scene_.steps();
   Simulation& simulation = *parts_.simulation;
-  while (simulation.steps() < total) {
-    if (interrupted()) {
-      // The place for a checkpoint: the state is whole here, and finish() closes all files.
-      end_with(ExitCode::interrupted,
-               fmt::format("interrupted after {} of {} steps", simulation.steps(), total));
-      return;
-    }
+  while (settle()) {
     simulation.step();
     if (!parts_.probes->none()) {
       apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
     }
-    record(simulation.steps() == total);
-    if (options_.progress) options_.progress(simulation.steps(), total);
+    if (options_.progress) options_.progress(simulation.steps(), scene_.steps());
   }
+}
+
+bool Recording::settle() {
+  const long step = parts_.simulation->steps(), total = scene_.steps();
+  const bool last = step == total;
+  const bool stop = !last && interrupted();
+  // Before the recording: see Checkpoint. The last one serves who prolongs the run.
+  if (last || stop || schedule_.due(step)) save_checkpoint();
+  // A row too many goes when the run is resumed; a frame's files would stay.
+  record(last || stop, last);
+  if (stop) {
+    end_with(
+        ExitCode::interrupted,
+        fmt::format("interrupted after {} of {} steps; --resume goes on from there", step, total));
+  }
+  return !last && !stop;
+}
+
+void Recording::save_checkpoint() {
+  Simulation& simulation = *parts_.simulation;
+  if (checkpoint_step_ == simulation.steps()) return;
+  const Stopwatch watch(simulation.system().times().output);
+  Checkpoint checkpoint;
+  checkpoint.scene = identity_of(scene_);
+  checkpoint.step = simulation.steps();
+  checkpoint.table_bytes = parts_.probes->sync();  // on disk before what relies on it
+  save_section(simulation, "simulation", checkpoint.memory);
+  parts_.probes->save(checkpoint.memory);
+  parts_.outputs->save(checkpoint.memory);
+  write_checkpoint(folder_, checkpoint);
+  checkpoint_step_ = checkpoint.step;
+  schedule_.restart();
 }
 
 template <class Action>
@@ -161,17 +198,22 @@ void Recording::apart_from_model(const Action& action) {
   const Frame frame = parts_.simulation->frame();
   const StepTimes model = frame.system.times();
   const double before = seconds();
-  action(frame);
+  try {
+    action(frame);
+  } catch (const NotFinite& e) {
+    throw e.at_step(frame.step, "recording");
+  }
   frame.system.times() = model;
   frame.system.times().output += seconds() - before;
 }
 
-void Recording::record(bool last) {
+void Recording::record(bool all_probes, bool all_outputs) {
   const long step = parts_.simulation->steps();
-  if (!last && step != 0 && !parts_.probes->due(step) && !parts_.outputs->due(step)) return;
-  apart_from_model([this, last](const Frame& frame) {
-    parts_.probes->record(frame, last);
-    parts_.outputs->record(frame, last);
+  const bool due = step == 0 || parts_.probes->due(step) || parts_.outputs->due(step);
+  if (!due && !all_probes && !all_outputs) return;
+  apart_from_model([&](const Frame& frame) {
+    parts_.probes->record(frame, all_probes);
+    parts_.outputs->record(frame, all_outputs);
   });
 }
 
@@ -209,15 +251,15 @@ void Recording::and_also(const Action& action) {
 }
 
 void Recording::finish() {
-  if (result_.code == ExitCode::diverged || result_.code == ExitCode::interrupted) {
-    and_also([this] { record(true); });  // the last good state
+  if (divergence_ && divergence_->step() > parts_.simulation->steps()) {
+    and_also([this] { record(true, true); });  // the last good state
   }
   and_also([this] { parts_.outputs->end(); });
 
   Simulation& simulation = *parts_.simulation;
   result_.steps = simulation.steps();
   result_.times = simulation.system().times();
-  result_.times.steps = simulation.steps();
+  result_.times.steps = simulation.steps() - result_.resumed_after;
   const auto& columns = parts_.probes->columns();
   for (std::size_t i = 0; i < columns.size(); ++i) {
     result_.figures.emplace_back(header_of(columns[i]), parts_.probes->summaries()[i].last);
@@ -258,12 +300,26 @@ Json Recording::summary() const {
   return json;
 }
 
+RunResult already_finished(const Scene& scene, const std::filesystem::path& folder) {
+  RunResult result;
+  result.reason = fmt::format("'{}' holds the finished run of this scene: nothing was left to do",
+                              folder.string());
+  result.steps = result.resumed_after = scene.steps();
+  return result;
+}
+
 }  // namespace
 
 RunResult run(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
               const RunOptions& options) {
-  check_run_directory(options.folder, options.force);
-  return Recording(scene, std::move(registry), options).execute();
+  Resumption found;
+  if (options.resume) {
+    found = look_for_run(options.folder, scene);
+    if (found.finished) return already_finished(scene, options.folder);
+  } else {
+    check_run_directory(options.folder, options.force);
+  }
+  return Recording(scene, std::move(registry), options, std::move(found)).execute();
 }
 
 }  // namespace deform

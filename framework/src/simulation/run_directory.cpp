@@ -26,6 +26,14 @@ void remove_tree(const fs::path& entry) {
   }
 }
 
+/// True also where a run was killed while it wrote its first file.
+bool holds_nothing(const fs::path& folder, std::error_code& error) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().filename() != std::string(kManifest) + ".part") return false;
+  }
+  return true;
+}
+
 /// The manifest goes last: a folder that was emptied only half is still known as one of ours.
 void empty(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
@@ -60,7 +68,7 @@ void check_run_directory(const fs::path& folder, bool force) {
     throw InputError(
         fmt::format("'{}' exists; --force replaces it, --out names another", folder.string()));
   }
-  const bool is_empty = fs::is_empty(folder, error);
+  const bool is_empty = holds_nothing(folder, error);
   if (error) {
     throw InputError(fmt::format("cannot look into '{}': {}", folder.string(), error.message()));
   }
@@ -80,7 +88,8 @@ void make_run_directory(const fs::path& folder) {
   }
   fs::create_directories(folder, error);
   if (error) {
-    throw InputError(fmt::format("cannot make '{}': {}", folder.string(), error.message()));
+    throw Error(ExitCode::internal_error,
+                fmt::format("cannot make {}: {}", folder.string(), error.message()));
   }
 }
 

@@ -10,7 +10,7 @@ namespace deform {
 void check_run_directory(const std::filesystem::path& folder, bool force);
 
 /// Makes the folder, with its parents; empties it when it is there (check_run_directory comes
-/// first). Throws InputError when it cannot be made, Error when it cannot be emptied.
+/// first). Throws Error when it cannot be made or emptied.
 void make_run_directory(const std::filesystem::path& folder);
 
 /// True for a folder with a manifest.json that deform wrote.

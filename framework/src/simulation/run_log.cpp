@@ -11,9 +11,9 @@
 
 namespace deform {
 
-RunLog::RunLog(const std::filesystem::path& file) {
+RunLog::RunLog(const std::filesystem::path& file, bool add) {
   try {
-    sink_ = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), true);
+    sink_ = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), !add);
   } catch (const spdlog::spdlog_ex& e) {
     throw Error(ExitCode::internal_error, e.what());  // it names the file and the cause
   }

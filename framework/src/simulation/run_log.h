@@ -14,8 +14,8 @@ namespace deform {
 /// logs.
 class RunLog {
  public:
-  /// Throws Error when the file cannot be made.
-  explicit RunLog(const std::filesystem::path& file);
+  /// Starts the file, or adds to the one that is there. Throws Error when it cannot.
+  RunLog(const std::filesystem::path& file, bool add);
   ~RunLog();
   RunLog(const RunLog&) = delete;
   RunLog& operator=(const RunLog&) = delete;

@@ -17,6 +17,7 @@
 #include "simulation/memory_sections.h"
 #include "simulation/part_maker.h"
 #include "simulation/solver_uses.h"
+#include "solve/not_finite.h"
 
 namespace deform {
 namespace {
@@ -42,6 +43,9 @@ class MirrorImage final : public CompanionRun {
   std::unique_ptr<Simulation> simulation_;
 };
 
+/// A double counts no further.
+constexpr double kMostSteps = 9007199254740992;  // 2^53
+
 /// Reflection at z = 0.
 NodeVectors reflected(NodeVectors v) {
   v.col(2) = -v.col(2);
@@ -52,7 +56,9 @@ std::vector<double> flattened(const NodeVectors& v) { return {v.data(), v.data()
 
 NodeVectors unflattened(const Memory& memory, const std::string& name, Index nodes) {
   const std::vector<double>& values = memory.get(name, static_cast<std::size_t>(3 * nodes));
-  return Eigen::Map<const NodeVectors>(values.data(), nodes, 3);
+  NodeVectors v = Eigen::Map<const NodeVectors>(values.data(), nodes, 3);
+  if (!v.allFinite()) throw InputError("the checkpoint's \"" + name + "\" is not finite");
+  return v;
 }
 
 }  // namespace
@@ -68,7 +74,9 @@ struct Simulation::Impl {
   void make_system();
   [[nodiscard]] std::function<std::vector<Named<LinearSolver>>()> solver_factory(
       PartMaker& maker, const std::shared_ptr<Surface>& surface);
+  void choose_solver();
   void measure_rest();
+  void check_surface(const Surface& surface) const;
   void set_initial_state();
   void advance();
   void check_state();
@@ -133,6 +141,17 @@ void Simulation::Impl::make_system() {
   keep(PluginKind::constraint, parts.constraints);
   keep<Integrator>(PluginKind::integrator, {integrator});
   system = std::make_unique<System>(std::move(parts));
+  if (scene.solver) choose_solver();
+}
+
+/// Whether the solver that the scene names takes the matrix is a question of the scene: it is asked now, not
+/// within the first step.
+void Simulation::Impl::choose_solver() {
+  try {
+    system->choose_solver();
+  } catch (const InputError& e) {
+    throw InputError({{"/solver", "at /solver: " + std::string(e.what())}});
+  }
 }
 
 std::function<std::vector<Named<LinearSolver>>()> Simulation::Impl::solver_factory(
@@ -159,8 +178,21 @@ void Simulation::Impl::measure_rest() {
   size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
 }
 
+void Simulation::Impl::check_surface(const Surface& surface) const {
+  const auto check = [this](const Eigen::Ref<const Eigen::MatrixXd>& values, const char* what) {
+    const Index node = first_not_finite(values);
+    if (node < 0) return;
+    throw PluginFailure(fmt::format("plugin {} gives node {} a {} that is not finite",
+                                    keepers.front().origin, node, what));
+  };
+  check(surface.rest(), "rest position");
+  check(surface.initial(), "initial position");
+  check(surface.areas(), "area");
+}
+
 void Simulation::Impl::set_initial_state() {
   const Surface& surface = system->surface();
+  check_surface(surface);
   state.r = mirrored ? reflected(surface.initial()) : surface.initial();
   system->prescribe(0.0, state.r);
 
@@ -180,6 +212,8 @@ void Simulation::Impl::advance() {
             [this] { integrator.object->advance(*system, state, scene.step); });
   } catch (const Diverged&) {
     throw;
+  } catch (const NotFinite& e) {
+    throw e.at_step(steps + 1, integrator.name);
   } catch (const Error& e) {
     if (e.code() != ExitCode::diverged) throw;
     throw Diverged(e.what(), steps + 1, -1, "linear solve");  // the System knows no steps
@@ -195,24 +229,20 @@ void Simulation::Impl::check_state() {
   double largest = 0;
   Index farthest = 0;
   for (Index i = 0; i < state.r.rows(); ++i) {
+    if (!state.r.row(i).allFinite() || !state.v.row(i).allFinite()) throw_not_finite();
     const double distance = (state.r.row(i).transpose() - centroid).squaredNorm();
-    if (!std::isfinite(distance) || !std::isfinite(state.v.row(i).sum())) throw_not_finite();
     if (distance > largest) largest = distance, farthest = i;
   }
   if (largest > limit * limit) throw_out_of_bounds(farthest);
 }
 
 void Simulation::Impl::throw_not_finite() {
-  // A linear solve spreads one bad number over all nodes: the one that was fastest tells most.
-  Index worst = -1;
-  double speed = -1;
-  for (Index i = 0; i < state.r.rows(); ++i) {
-    if (std::isfinite((state.r.row(i) + state.v.row(i)).squaredNorm())) continue;
-    const double before_step = before.v.row(i).squaredNorm();
-    if (worst < 0 || before_step > speed) worst = i, speed = before_step;
-  }
-  worst = std::max<Index>(worst, 0);
-  throw Diverged("the state is not finite any more", steps + 1, worst, guilty_term(worst));
+  // The System lets no force, operator or solution pass that is not finite: what is left is the
+  // integrator.
+  Index node = first_not_finite(state.r);
+  if (node < 0) node = first_not_finite(state.v);
+  throw Diverged("the state that " + integrator.origin + " gives is not finite", steps + 1, node,
+                 integrator.name);
 }
 
 void Simulation::Impl::throw_out_of_bounds(Index node) {
@@ -227,6 +257,8 @@ void Simulation::Impl::throw_out_of_bounds(Index node) {
 std::string Simulation::Impl::guilty_term(Index node) {
   try {
     return system->largest_force_at(node, before);
+  } catch (const NotFinite& e) {
+    return e.part();
   } catch (const std::exception&) {
     return "unknown";  // the divergence is what the user must hear of
   }
@@ -283,8 +315,7 @@ void Simulation::save(Memory& memory) const {
   memory.put("state/v", flattened(impl_->state.v));
   memory.put("state/previous_r", flattened(impl_->before.r));
   for (const Keeper& keeper : impl_->keepers) {
-    guarded(keeper.origin, "saving its memory",
-            [&] { save_section(*keeper.object, keeper.section, memory); });
+    save_plugin(*keeper.object, keeper.origin, keeper.section, memory);
   }
 }
 
@@ -295,12 +326,14 @@ void Simulation::load(const Memory& memory) {
   loaded.r = unflattened(memory, "state/r", nodes);
   loaded.v = unflattened(memory, "state/v", nodes);
   s.before.r = unflattened(memory, "state/previous_r", nodes);
-  s.steps = static_cast<long>(memory.get("state/steps", 1).front());
+  const double steps = memory.get("state/steps", 1).front();
+  if (!(steps >= 0 && steps <= kMostSteps && steps == std::floor(steps)))
+    throw InputError("the checkpoint's \"state/steps\" is not a number of steps");
+  s.steps = static_cast<long>(steps);
   loaded.time = static_cast<double>(s.steps) * s.scene.step;
   s.state = std::move(loaded);
   for (const Keeper& keeper : s.keepers) {
-    guarded(keeper.origin, "loading its memory",
-            [&] { load_section(*keeper.object, keeper.section, memory); });
+    load_plugin(*keeper.object, keeper.origin, keeper.section, memory);
   }
   s.system->begin_step(s.before);
   s.system->update_geometry(s.state);

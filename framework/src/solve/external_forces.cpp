@@ -21,13 +21,16 @@ ExternalForces::ExternalForces(const ModelParts& parts)
       areas_(parts.surface->areas()),
       mass_(parts.mass),
       mirrored_(parts.mirrored) {
-  for (const auto& f : forces_) needs_normals_ = needs_normals_ || f.object->traits().normals;
+  for (const auto& f : forces_) {
+    traits_.push_back(guarded(f.origin, "saying what it is", [&] { return f.object->traits(); }));
+    needs_normals_ = needs_normals_ || traits_.back().normals;
+  }
 }
 
-/// Calls visit(force field, block of nodes) for all of both, blocks in parallel.
+/// Calls visit(force field, block of nodes) for all of both, or of one field, blocks in parallel.
 template <class Visit>
 void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals,
-                                  const Visit& visit) {
+                                  const Named<ForceField>* only, const Visit& visit) {
   const NodeVectors *r = &state.r, *v = &state.v, *n = &normals;
   if (mirrored_) {
     reflect(state.r, r_);
@@ -45,44 +48,49 @@ void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals
                     .normal = needs_normals_ ? rows_from(*n, first) : ConstVectors{},
                     .area = {areas_.data() + first, static_cast<std::size_t>(size)},
                     .mass = {mass_.data() + first, static_cast<std::size_t>(size)}};
-    for (const auto& field : forces_)
-      guarded(field.origin, "computing its force", [&] { visit(*field.object, block); });
+    for (std::size_t i = 0; i < forces_.size(); ++i)
+      if (only == nullptr || only == &forces_[i])
+        guarded(forces_[i].origin, "computing its force",
+                [&] { visit(*forces_[i].object, traits_[i], block); });
   });
 }
 
-void ExternalForces::add_force(const State& state, const NodeVectors& normals, NodeVectors& f) {
+void ExternalForces::add_force(const State& state, const NodeVectors& normals, NodeVectors& f,
+                               const Named<ForceField>* only) {
   if (forces_.empty()) return;
-  if (mirrored_) f_.setZero(f.rows(), 3);
+  // Reflected and back with all that is in f already: the sums are then those of the unmirrored
+  // run, bit by bit.
+  if (mirrored_) reflect(f, f_);
   NodeVectors& sum = mirrored_ ? f_ : f;
-  visit_blocks(state, normals, [&](const ForceField& field, const NodeBlock& block) {
-    field.add_force(block, rows_from(sum, block.first));
-  });
-  if (mirrored_) {
-    f_.col(2) *= -1;
-    f += f_;
-  }
+  visit_blocks(state, normals, only,
+               [&](const ForceField& field, const ForceTraits&, const NodeBlock& block) {
+                 field.add_force(block, rows_from(sum, block.first));
+               });
+  if (mirrored_) reflect(f_, f);
 }
 
 void ExternalForces::add_tangent(const State& state, const NodeVectors& normals,
-                                 NodeValues& stiffness, NodeValues& damping) {
-  visit_blocks(state, normals, [&](const ForceField& field, const NodeBlock& block) {
-    if (!field.traits().isotropic_tangent) return;
-    const auto size = static_cast<std::size_t>(block.size);
-    field.add_tangent(block, {stiffness.data() + block.first, size},
-                      {damping.data() + block.first, size});
-  });
+                                 NodeValues& stiffness, NodeValues& damping,
+                                 const Named<ForceField>* only) {
+  visit_blocks(state, normals, only,
+               [&](const ForceField& field, const ForceTraits& traits, const NodeBlock& block) {
+                 if (!traits.isotropic_tangent) return;
+                 const auto size = static_cast<std::size_t>(block.size);
+                 field.add_tangent(block, {stiffness.data() + block.first, size},
+                                   {damping.data() + block.first, size});
+               });
 }
 
-double ExternalForces::potential(const State& state, const NodeVectors& normals) {
+NodeValues ExternalForces::potential(const State& state, const NodeVectors& normals,
+                                     const Named<ForceField>* only) {
   NodeValues energy = NodeValues::Zero(state.r.rows());
-  visit_blocks(state, normals, [&](const ForceField& field, const NodeBlock& block) {
-    if (field.traits().potential)
-      field.add_potential(block,
-                          {energy.data() + block.first, static_cast<std::size_t>(block.size)});
-  });
-  double sum = 0;
-  for (const double e : energy) sum += e;
-  return sum;
+  visit_blocks(state, normals, only,
+               [&](const ForceField& field, const ForceTraits& traits, const NodeBlock& block) {
+                 if (traits.potential)
+                   field.add_potential(
+                       block, {energy.data() + block.first, static_cast<std::size_t>(block.size)});
+               });
+  return energy;
 }
 
 }  // namespace deform

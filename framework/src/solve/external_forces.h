@@ -32,6 +32,7 @@ class ExternalForces {
                     const Visit& visit);
 
   const std::vector<Named<ForceField>> forces_;
+  std::vector<ForceTraits> traits_;
   const NodeValues areas_;
   const NodeValues mass_;
   bool mirrored_;

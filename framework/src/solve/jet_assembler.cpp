@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "model/numerical_stress.h"
 #include "parallel/parallel.h"
 #include "plugin/guard.h"
 
@@ -12,6 +13,35 @@ namespace {
 constexpr Index kRows = 64;
 /// Sample fields that one term may have differenced.
 constexpr int kMostFields = 8;
+
+/// Only what the framework has storage for may be named.
+std::vector<Coupling> couplings_of(const JetAssembler::Term& t) {
+  const auto couplings =
+      guarded(t.origin, "declaring couplings", [&] { return t.term->couplings(); });
+  for (const auto& [m, n] : couplings) {
+    const bool is_known = slot(m) < kChannels && slot(n) > 0 && slot(n) < kDerivatives;
+    if (!is_known)
+      throw PluginFailure(
+          "plugin " + t.origin + " declares the coupling (" + std::to_string(slot(m)) + ", " +
+          std::to_string(slot(n)) +
+          "), expected a channel from d0 to minus2 and a derivative from d1 to d22");
+  }
+  return couplings;
+}
+
+/// Whether a term may put stress on a channel.
+bool may_use(const JetAssembler::Term& t, int m) {
+  return m < kDerivatives || t.traits.strong_form;
+}
+
+std::size_t fields_of(const JetAssembler::Term& t) {
+  const int fields =
+      guarded(t.origin, "declaring auxiliary fields", [&] { return t.term->auxiliary_fields(); });
+  if (fields < 0 || fields > kMostFields)
+    throw PluginFailure("plugin " + t.origin + " declares " + std::to_string(fields) +
+                        " auxiliary fields, expected 0 to " + std::to_string(kMostFields));
+  return static_cast<std::size_t>(fields);
+}
 
 }  // namespace
 
@@ -24,30 +54,26 @@ JetAssembler::JetAssembler(const SampleSet& samples, std::vector<Term> terms)
       throw InputError(
           "energy " + t.origin +
           " needs differences of a field of samples, which this surface does not have");
-    if (t.term->auxiliary_fields() > kMostFields)
-      throw InputError("energy " + t.origin + " declares more than 8 auxiliary fields");
     std::vector<std::size_t>& numbers = of_term_.emplace_back();
-    for (const Coupling& coupling : t.term->couplings()) {
+    for (const Coupling& coupling : couplings_of(t)) {
       const auto at = std::ranges::find(couplings_, coupling);
       const std::size_t number = static_cast<std::size_t>(at - couplings_.begin());
       if (at == couplings_.end()) couplings_.push_back(coupling);
       if (std::ranges::find(numbers, number) == numbers.end()) numbers.push_back(number);
     }
-    // A stress may use every transposed derivative; the strong form's channels only if they are
-    // declared.
-    for (int m = 0; m < kDerivatives; ++m) active_[static_cast<std::size_t>(m)] = true;
-    for (const Coupling& coupling : couplings_)
-      active_[static_cast<std::size_t>(slot(coupling.first))] = true;
-    fields += static_cast<std::size_t>(t.term->auxiliary_fields());
+    // A stress may use every transposed derivative; the strong form's channels only if it says so.
+    for (int m = 0; m < kChannels; ++m)
+      if (may_use(t, m)) active_[static_cast<std::size_t>(m)] = true;
+    fields += fields_of_.emplace_back(fields_of(t));
   }
   const auto m = static_cast<std::size_t>(samples.size());
   k_.resize(couplings_.size() * m);
   sigma_.resize(3 * kChannels * m);
   auxiliary_.resize(fields * m);
   std::size_t field = 0;
-  for (const Term& t : terms_) {
+  for (const std::size_t own : fields_of_) {
     auto& views = auxiliary_of_.emplace_back();
-    for (int f = 0; f < t.term->auxiliary_fields(); ++f, ++field)
+    for (std::size_t f = 0; f < own; ++f, ++field)
       views.emplace_back(auxiliary_.data() + field * m, m);
   }
 }
@@ -67,17 +93,18 @@ SampleBlock JetAssembler::sample_block(const Geometries& g, Index first, Index s
 
 void JetAssembler::evaluate(const Geometries& geometries, Part part, const Term* only) {
   std::size_t offset = 0;
-  for (const Term& t : terms_) {
-    if (only == nullptr || only == &t) evaluate_auxiliary(geometries, t, offset);
-    offset += static_cast<std::size_t>(t.term->auxiliary_fields() * samples_->size());
+  for (std::size_t t = 0; t < terms_.size(); ++t) {
+    if (only == nullptr || only == &terms_[t]) evaluate_auxiliary(geometries, t, offset);
+    offset += fields_of_[t] * static_cast<std::size_t>(samples_->size());
   }
   parallel_blocks(samples_->size(), kBlock, [&](Index first, Index size) {
     evaluate_block(geometries, part, only, first, size);
   });
 }
 
-void JetAssembler::evaluate_auxiliary(const Geometries& g, const Term& term, std::size_t offset) {
-  const auto fields = static_cast<std::size_t>(term.term->auxiliary_fields());
+void JetAssembler::evaluate_auxiliary(const Geometries& g, std::size_t number, std::size_t offset) {
+  const Term& term = terms_[number];
+  const std::size_t fields = fields_of_[number];
   if (fields == 0) return;
   parallel_blocks(samples_->size(), kBlock, [&](Index first, Index size) {
     std::array<Values, kMostFields> out;
@@ -94,19 +121,20 @@ void JetAssembler::evaluate_auxiliary(const Geometries& g, const Term& term, std
 void JetAssembler::evaluate_block(const Geometries& g, Part part, const Term* only, Index first,
                                   Index size) {
   for (std::size_t c = 0; c < couplings_.size(); ++c) std::fill_n(coupling(c) + first, size, 0.0);
-  AffineStress::ConstantTable constants;
-  Stress stress;
   for (int m = 0; m < kChannels; ++m) {
     const Vectors s = sigma(m).from(first);
     for (double* component : {s.x, s.y, s.z}) std::fill_n(component, size, 0.0);
-    constants[static_cast<std::size_t>(m)] = s;
-    stress.sigma[static_cast<std::size_t>(m)] = s;
   }
   SampleBlock block = sample_block(g, first, size);
   for (std::size_t t = 0; t < terms_.size(); ++t) {
     const Term& term = terms_[t];
     if (only != nullptr && only != &term) continue;
+    block.auxiliary = auxiliary_of_[t];
+    AffineStress::ConstantTable channels;
+    for (int m = 0; m < kChannels; ++m)
+      if (may_use(term, m)) channels[static_cast<std::size_t>(m)] = sigma(m).from(first);
     if (term.traits.lagged == Lagged::none) {
+      const Stress stress{channels};
       guarded(term.origin, "computing its stress", [&] { term.term->stress(block, stress); });
       continue;
     }
@@ -116,9 +144,8 @@ void JetAssembler::evaluate_block(const Geometries& g, Part part, const Term* on
       table[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))] =
           coupling(c) + first;
     }
-    block.auxiliary = auxiliary_of_[t];
     guarded(term.origin, "computing its lagged stress",
-            [&] { term.term->affine_stress(block, AffineStress(table, constants, size)); });
+            [&] { term.term->affine_stress(block, AffineStress(table, channels, size)); });
   }
   add_affine_part(block, part);
 }
@@ -167,6 +194,8 @@ void JetAssembler::bind(const SparseMatrix& pattern) {
       for (const std::int32_t b : samples_->stencil(s).nodes) {
         const auto at = std::lower_bound(begin, end, b);
         const bool there = at != end && *at == b;
+        if (there && at - begin >= kNoSlot)
+          throw Error(ExitCode::internal_error, "a matrix row has more than 65534 entries");
         slot_.push_back(there ? static_cast<std::uint16_t>(at - begin) : kNoSlot);
       }
       slot_begin_.push_back(slot_.size());
@@ -199,6 +228,12 @@ void JetAssembler::add_operator(SparseMatrix& k) const {
       }
     }
   });
+}
+
+bool JetAssembler::is_numerical(const Term& term, const Geometries& geometries) const {
+  if (term.traits.lagged != Lagged::none || samples_->size() == 0) return false;
+  return guarded(term.origin, "computing its stress",
+                 [&] { return has_numerical_stress(*term.term, sample_block(geometries, 0, 1)); });
 }
 
 void JetAssembler::energy_density(const Term& term, const Geometries& geometries,

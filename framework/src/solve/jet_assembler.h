@@ -32,6 +32,7 @@ class JetAssembler {
   JetAssembler(const SampleSet& samples, std::vector<Term> terms);
 
   [[nodiscard]] const SampleSet& samples() const { return *samples_; }
+  [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
   /// This assembler's place for a scene's term; null when the term is not on this set.
   [[nodiscard]] const Term* find(std::size_t number) const;
 
@@ -51,13 +52,16 @@ class JetAssembler {
   /// K += Σ L k D of the last evaluation.
   void add_operator(SparseMatrix& k) const;
 
+  /// Whether the force of a term comes from a numerical derivative of its energy.
+  [[nodiscard]] bool is_numerical(const Term& term, const Geometries& geometries) const;
+
   /// W at the samples of a block's term, written to density (m).
   void energy_density(const Term& term, const Geometries& geometries, Values density) const;
   /// Unit normals at the nodes: area-weighted means of the samples' exact ones (N × 3).
   void node_normals(const Geometry& now, NodeVectors& normals) const;
 
  private:
-  void evaluate_auxiliary(const Geometries& g, const Term& term, std::size_t offset);
+  void evaluate_auxiliary(const Geometries& g, std::size_t number, std::size_t offset);
   void evaluate_block(const Geometries& g, Part part, const Term* only, Index first, Index size);
   void add_affine_part(const SampleBlock& block, Part part);
   [[nodiscard]] SampleBlock sample_block(const Geometries& g, Index first, Index size) const;
@@ -81,6 +85,7 @@ class JetAssembler {
   std::vector<double> k_;                               // (couplings × m)
   std::vector<double> sigma_;                           // (channels × 3 × m)
   std::vector<double> auxiliary_;                       // (fields of all terms × m)
+  std::vector<std::size_t> fields_of_;                  // number of auxiliary fields, a term
   std::vector<std::vector<ConstValues>> auxiliary_of_;  // whole fields, a term
   static constexpr std::uint16_t kNoSlot = 0xFFFF;
   std::vector<std::size_t> slot_begin_;  // of each (node, sample) pair

@@ -22,7 +22,8 @@ Index first_not_finite(const Eigen::Ref<const Eigen::MatrixXd>& values) {
 void require_finite(const Eigen::Ref<const Eigen::MatrixXd>& values, const char* what,
                     const std::string& origin, const std::string& part) {
   const Index node = first_not_finite(values);
-  if (node >= 0) throw NotFinite(std::string(what) + " of " + origin + " is not finite", node, part);
+  if (node >= 0)
+    throw NotFinite(std::string(what) + " of " + origin + " is not finite", node, part);
 }
 
 }  // namespace deform

@@ -5,6 +5,7 @@
 #include "deform/log.h"
 
 #include "plugin/guard.h"
+#include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 
 namespace deform {
@@ -67,7 +68,7 @@ void ReducedSolver::rank_solvers(Group& group) {
   const std::string offered = group.solvers.empty() ? "none was found" : group.solvers.front().name;
   std::erase_if(group.solvers, [&](const auto& s) { return fit(s) <= 0; });
   if (group.solvers.empty())
-    throw InputError("solver: no linear solver takes this scene's " + kind + " matrix (" + offered +
+    throw InputError("no linear solver takes this scene's " + kind + " matrix (" + offered +
                      ")");
   std::ranges::stable_sort(group.solvers, std::ranges::greater{}, fit);
   group.analysed.assign(group.solvers.size(), false);
@@ -133,6 +134,9 @@ void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues&
     }
     const Named<LinearSolver>& solver = group.solvers[group.in_use];
     guarded(solver.origin, "solving", [&] { solver.object->solve(group.rhs, group.solution); });
+    if (const Index q = first_not_finite(group.solution); q >= 0 && group.rhs.allFinite())
+      throw NotFinite("the solution of " + solver.origin + " is not finite",
+                      group.free[static_cast<std::size_t>(q)], solver.name);
     for (std::size_t j = 0; j < group.components.size(); ++j)
       for (std::size_t q = 0; q < group.free.size(); ++q)
         x(group.free[q], group.components[j]) =

@@ -8,9 +8,11 @@
 #include "plugin/guard.h"
 #include "solve/external_forces.h"
 #include "solve/jet_assembler.h"
+#include "solve/not_finite.h"
 #include "solve/pattern.h"
 #include "solve/reduced_solver.h"
 #include "solve/stopwatch.h"
+#include "solve/symmetry.h"
 #include "solve/tuple_assembler.h"
 
 namespace deform {
@@ -25,6 +27,8 @@ struct SetPart {
 struct System::Impl {
   explicit Impl(ModelParts p);
 
+  void read_traits();
+  [[nodiscard]] SampleRole role_of(std::size_t term, const JetTerm& jet) const;
   void make_sets();
   void make_tuples();
   void make_pattern();
@@ -36,8 +40,11 @@ struct System::Impl {
   void update_normals();
   void evaluate_internal(const State& state);
   void add_internal_force(NodeVectors& f) const;
+  [[nodiscard]] NodeVectors force_of(const Named<ForceField>& field, const State& state);
+  [[nodiscard]] bool operator_is_finite() const;
 
   ModelParts parts;
+  std::vector<TermTraits> traits;  // of the energies
   Reduction reduction;
   std::vector<SetPart> sets;
   std::vector<TupleAssembler> tuples;
@@ -65,10 +72,30 @@ System::Impl::Impl(ModelParts p)
   force = NodeVectors::Zero(n, 3);
   normals = NodeVectors::Zero(n, 3);
   force_stiffness = force_damping = NodeValues::Zero(n);
+  read_traits();
   make_sets();
   make_tuples();
   make_pattern();
   for (SetPart& set : sets) set.rest.compute(set.assembler.samples(), parts.rest);
+}
+
+void System::Impl::read_traits() {
+  for (const auto& e : parts.energies) {
+    if (!std::dynamic_pointer_cast<const JetTerm>(e.object) &&
+        !std::dynamic_pointer_cast<const TupleTerm>(e.object))
+      throw PluginFailure("plugin " + e.origin +
+                          " made an energy term that is neither a JetTerm nor a TupleTerm");
+    traits.push_back(guarded(e.origin, "saying what it is", [&] { return e.object->traits(); }));
+  }
+}
+
+SampleRole System::Impl::role_of(std::size_t term, const JetTerm& jet) const {
+  const SampleRole role =
+      guarded(parts.energies[term].origin, "saying where it lives", [&] { return jet.role(); });
+  if (role != SampleRole::membrane && role != SampleRole::bending)
+    throw PluginFailure("plugin " + parts.energies[term].origin +
+                        " lives on a sample set that is none");
+  return role;
 }
 
 void System::Impl::make_sets() {
@@ -82,8 +109,8 @@ void System::Impl::make_sets() {
     std::vector<JetAssembler::Term> terms;
     for (std::size_t t = 0; t < parts.energies.size(); ++t)
       if (const auto jet = std::dynamic_pointer_cast<const JetTerm>(parts.energies[t].object))
-        if (&parts.surface->samples(jet->role()) == set)
-          terms.push_back({t, parts.energies[t].origin, jet, jet->traits()});
+        if (&parts.surface->samples(role_of(t, *jet)) == set)
+          terms.push_back({t, parts.energies[t].origin, jet, traits[t]});
     sets.push_back(
         {JetAssembler(*set, std::move(terms)), Geometry(*set), {Geometry(*set), Geometry(*set)}});
   }
@@ -92,7 +119,7 @@ void System::Impl::make_sets() {
 void System::Impl::make_tuples() {
   for (std::size_t t = 0; t < parts.energies.size(); ++t)
     if (const auto term = std::dynamic_pointer_cast<const TupleTerm>(parts.energies[t].object))
-      tuples.emplace_back(t, parts.energies[t].origin, term, parts.surface->nodes());
+      tuples.emplace_back(t, parts.energies[t].origin, term, traits[t], parts.surface->nodes());
 }
 
 void System::Impl::make_pattern() {
@@ -143,6 +170,18 @@ void System::Impl::add_internal_force(NodeVectors& f) const {
   for (const TupleAssembler& t : tuples) t.add_force(f);
 }
 
+NodeVectors System::Impl::force_of(const Named<ForceField>& field, const State& state) {
+  NodeVectors f = NodeVectors::Zero(state.r.rows(), 3);
+  external.add_force(state, normals, f, &field);
+  return f;
+}
+
+bool System::Impl::operator_is_finite() const {
+  const Eigen::Map<const Eigen::VectorXd> values(k.value.data(),
+                                                 static_cast<Index>(k.value.size()));
+  return values.allFinite() && force_stiffness.allFinite() && force_damping.allFinite();
+}
+
 System::System(ModelParts parts) : impl_(std::make_unique<Impl>(std::move(parts))) {}
 System::~System() = default;
 
@@ -159,6 +198,16 @@ const SparseMatrix& System::lagged_operator() const { return impl_->k; }
 StepTimes& System::times() { return impl_->times; }
 const std::string& System::solver_choice() const {
   return impl_->solver ? impl_->solver->choice() : impl_->no_solver;
+}
+
+std::vector<std::string> System::notes() const {
+  std::vector<std::string> notes;
+  for (const SetPart& set : impl_->sets)
+    for (const JetAssembler::Term& term : set.assembler.terms())
+      if (set.assembler.is_numerical(term, {set.rest, set.rest, set.rest}))
+        notes.push_back("the force of " + term.origin +
+                        " is a numerical derivative of its energy density: it gives no stress");
+  return notes;
 }
 
 void System::begin_step(const State& state) {
@@ -183,6 +232,14 @@ void System::evaluate(const State& state) {
   impl_->force.setZero();
   impl_->add_internal_force(impl_->force);
   impl_->external.add_force(state, impl_->normals, impl_->force);
+  if (!impl_->force.allFinite()) throw_force_not_finite(state);
+}
+
+void System::throw_force_not_finite(const State& state) {
+  const Index node = first_not_finite(impl_->force);
+  (void)external_force(state);  // each part by itself: the guilty one throws
+  for (std::size_t t = 0; t < impl_->parts.energies.size(); ++t) (void)internal_force(t, state);
+  throw NotFinite("the sum of all forces is not finite", node, largest_force_at(node, state));
 }
 
 void System::evaluate_with_operator(const State& state) {
@@ -202,15 +259,56 @@ void System::evaluate_with_operator(const State& state) {
     impl_->k.value[static_cast<std::size_t>(at)] += impl_->force_stiffness[a];
   }
   ++impl_->version;
+  if (!impl_->operator_is_finite()) throw_operator_not_finite(state);
+}
+
+void System::throw_operator_not_finite(const State& state) {
+  for (const auto& field : impl_->external.fields()) {
+    NodeValues stiffness = NodeValues::Zero(nodes()), damping = stiffness;
+    impl_->external.add_tangent(state, impl_->normals, stiffness, damping, &field);
+    require_finite(stiffness + damping, "the tangent", field.origin, field.name);
+  }
+  for (std::size_t t = 0; t < impl_->parts.energies.size(); ++t) {
+    const SparseMatrix k = lagged_force(t, state).k;
+    NodeValues sums = NodeValues::Zero(nodes());
+    for (Index a = 0; a < nodes(); ++a)
+      for (std::int32_t p = k.row_begin[static_cast<std::size_t>(a)];
+           p < k.row_begin[static_cast<std::size_t>(a) + 1]; ++p)
+        sums[a] += k.value[static_cast<std::size_t>(p)];
+    const Named<EnergyTerm>& term = impl_->parts.energies[t];
+    require_finite(sums, "the lagged operator", term.origin, term.name);
+  }
+  throw NotFinite("the sum of all lagged operators is not finite", -1, "lagged operator");
+}
+
+void System::choose_solver() {
+  if (impl_->solver) return;
+  const bool symmetric = std::ranges::none_of(
+      impl_->traits, [](const TermTraits& t) { return t.lagged == Lagged::unsymmetric; });
+  impl_->solver.emplace(impl_->reduction, impl_->k, symmetric, impl_->parts.make_solvers);
+}
+
+/// A term that promises symmetry without having it would be solved by half of its operator,
+/// silently.
+void System::require_promised_symmetry() {
+  const State state{impl_->known[impl_->current], NodeVectors::Zero(nodes(), 3), 0};
+  for (std::size_t t = 0; t < impl_->traits.size(); ++t) {
+    if (impl_->traits[t].lagged != Lagged::symmetric) continue;
+    const SparseMatrix k = lagged_force(t, state).k;
+    const double asymmetry = largest_asymmetry(k), largest = largest_entry(k);
+    if (asymmetry > kRoundingOfSums * largest)
+      throw PluginFailure(
+          "plugin " + impl_->parts.energies[t].origin +
+          " promises a symmetric lagged operator, but an entry and its mirror image differ by " +
+          std::to_string(asymmetry) + " (largest entry " + std::to_string(largest) + ")");
+  }
 }
 
 void System::solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x) {
-  if (!impl_->solver) {
-    bool symmetric = true;
-    for (const auto& e : impl_->parts.energies)
-      symmetric = symmetric && e.object->traits().lagged != Lagged::unsymmetric;
-    impl_->solver.emplace(impl_->reduction, impl_->k, symmetric, impl_->parts.make_solvers);
-  }
+  require_finite(d, "what is added to the lagged operator", "the integrator", "");
+  require_finite(b, "the right-hand side", "the integrator", "");
+  choose_solver();
+  if (impl_->version <= 2) require_promised_symmetry();  // a rest state's operator may be 0
   impl_->solver->solve(impl_->k, impl_->version, d, b, x, impl_->times);
 }
 
@@ -218,14 +316,46 @@ void System::prescribe(double time, NodeVectors& r) const {
   if (impl_->parts.constraints.empty()) return;
   // Constraints speak of the unmirrored world.
   if (impl_->parts.mirrored) r.col(2) *= -1;
-  for (const auto& c : impl_->parts.constraints)
+  for (const auto& c : impl_->parts.constraints) {
     guarded(c.origin, "prescribing positions", [&] { c.object->prescribe(time, r); });
+    if (r.rows() != nodes())
+      throw PluginFailure("plugin " + c.origin + " made " + std::to_string(r.rows()) +
+                          " positions of the " + std::to_string(nodes()) + " that it was given");
+  }
   if (impl_->parts.mirrored) r.col(2) *= -1;
+  for (int c = 0; c < 3; ++c)
+    for (Index a = 0; a < r.rows(); ++a)
+      if (!std::isfinite(r(a, c)) && impl_->reduction.prescribed(a, c))
+        throw_prescribed_not_finite(time, a);
+}
+
+void System::throw_prescribed_not_finite(double time, Index node) const {
+  for (const auto& c : impl_->parts.constraints) {
+    NodeVectors alone = NodeVectors::Zero(nodes(), 3);  // what is in r may be another's
+    guarded(c.origin, "prescribing positions", [&] { c.object->prescribe(time, alone); });
+    require_finite(alone, "a prescribed position", c.origin, c.name);
+  }
+  throw NotFinite("a prescribed position is not finite", node, "constraints");
+}
+
+void System::constrain(const NodeVectors& before, double step, State& after) const {
+  prescribe(after.time, after.r);
+  for (int c = 0; c < 3; ++c)
+    for (Index a = 0; a < before.rows(); ++a)
+      if (impl_->reduction.prescribed(a, c)) after.v(a, c) = (after.r(a, c) - before(a, c)) / step;
 }
 
 double System::energy(std::size_t term, const State& state) {
   for (const TupleAssembler& t : impl_->tuples)
-    if (t.number() == term) return t.energy(state.r);
+    if (t.number() == term) {
+      double sum = 0;
+      const std::vector<double> energies = t.energies(state.r);
+      for (std::size_t i = 0; i < energies.size(); ++i) {
+        if (!std::isfinite(energies[i])) throw_energy_not_finite(term, t.first_node(i));
+        sum += energies[i];
+      }
+      return sum;
+    }
   impl_->update_geometry(state.r);
   const std::vector<double> density = energy_density(term);
   for (const SetPart& set : impl_->sets)
@@ -243,14 +373,29 @@ std::vector<double> System::energy_density(std::size_t term) const {
     if (const auto* t = set.assembler.find(term)) {
       std::vector<double> density(static_cast<std::size_t>(set.assembler.samples().size()));
       set.assembler.energy_density(*t, impl_->geometries(set), density);
+      const auto bad = std::ranges::find_if_not(density, [](double e) { return std::isfinite(e); });
+      if (bad != density.end())
+        throw_energy_not_finite(
+            term, set.assembler.samples().stencil(bad - density.begin()).nodes.front());
       return density;
     }
   return {};
 }
 
+void System::throw_energy_not_finite(std::size_t term, Index node) const {
+  const Named<EnergyTerm>& guilty = impl_->parts.energies[term];
+  throw NotFinite("the energy of " + guilty.origin + " is not finite", node, guilty.name);
+}
+
 double System::external_potential(const State& state) {
   impl_->update_geometry(state.r);
-  return impl_->external.potential(state, impl_->normals);
+  double sum = 0;
+  for (const double e : impl_->external.potential(state, impl_->normals)) sum += e;
+  if (std::isfinite(sum)) return sum;
+  for (const auto& field : impl_->external.fields())
+    require_finite(impl_->external.potential(state, impl_->normals, &field), "the potential energy",
+                   field.origin, field.name);
+  throw NotFinite("the sum of all potential energies is not finite", -1, "external forces");
 }
 
 NodeVectors System::internal_force(std::size_t term, const State& state) {
@@ -266,6 +411,8 @@ NodeVectors System::internal_force(std::size_t term, const State& state) {
       t.evaluate(state.r, state.r);
       t.add_force(f);
     }
+  const Named<EnergyTerm>& energy = impl_->parts.energies[term];
+  require_finite(f, "the force", energy.origin, energy.name);
   return f;
 }
 
@@ -273,7 +420,11 @@ NodeVectors System::external_force(const State& state) {
   impl_->update_geometry(state.r);
   NodeVectors f = NodeVectors::Zero(nodes(), 3);
   impl_->external.add_force(state, impl_->normals, f);
-  return f;
+  if (f.allFinite()) return f;
+  for (const auto& field : impl_->external.fields())
+    require_finite(impl_->force_of(field, state), "the force", field.origin, field.name);
+  throw NotFinite("the sum of all external forces is not finite", first_not_finite(f),
+                  "external forces");
 }
 
 System::LaggedForce System::lagged_force(std::size_t term, const State& state) {
@@ -296,18 +447,17 @@ System::LaggedForce System::lagged_force(std::size_t term, const State& state) {
 }
 
 std::string System::largest_force_at(Index node, const State& state) {
-  std::string name = "external forces";
-  const Vec3 load = external_force(state).row(node);
-  if (!load.allFinite()) return name;
-  double largest = load.norm();
-  for (std::size_t t = 0; t < impl_->parts.energies.size(); ++t) {
-    const Vec3 f = internal_force(t, state).row(node);
-    if (!f.allFinite()) return impl_->parts.energies[t].name;
-    if (f.norm() > largest) {
-      largest = f.norm();
-      name = impl_->parts.energies[t].name;
-    }
-  }
+  impl_->update_geometry(state.r);
+  std::string name = "no force";
+  double largest = 0;
+  const auto compare = [&](const NodeVectors& f, const std::string& of) {
+    const double norm = f.row(node).norm();
+    if (norm > largest) largest = norm, name = of;
+  };
+  for (const auto& field : impl_->external.fields())
+    compare(impl_->force_of(field, state), field.name);
+  for (std::size_t t = 0; t < impl_->parts.energies.size(); ++t)
+    compare(internal_force(t, state), impl_->parts.energies[t].name);
   return name;
 }
 

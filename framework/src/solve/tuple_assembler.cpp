@@ -8,22 +8,37 @@
 namespace deform {
 
 TupleAssembler::TupleAssembler(std::size_t number, std::string origin,
-                               std::shared_ptr<const TupleTerm> term, Index nodes)
-    : number_(number), origin_(std::move(origin)), term_(std::move(term)), width_(term_->width()) {
-  const auto& tuples = term_->tuples();
-  if (width_ < 1 || tuples.size() % static_cast<std::size_t>(width_) != 0 ||
-      std::ranges::any_of(tuples, [&](std::int32_t n) { return n < 0 || n >= nodes; }))
-    throw PluginFailure("plugin " + origin_ + ": its tuples are not rows of `width` node numbers");
-  k_.resize(tuples.size() * static_cast<std::size_t>(width_));
-  force_.resize(tuples.size());
+                               std::shared_ptr<const TupleTerm> term, const TermTraits& traits,
+                               Index nodes)
+    : number_(number), origin_(std::move(origin)), term_(std::move(term)), traits_(traits) {
+  guarded(origin_, "naming its tuples",
+          [this] { width_ = term_->width(), tuples_ = term_->tuples(); });
+  check_tuples(nodes);
+  k_.resize(tuples_.size() * static_cast<std::size_t>(width_));
+  force_.resize(tuples_.size());
   begin_.assign(static_cast<std::size_t>(nodes) + 1, 0);
-  for (const std::int32_t n : tuples) ++begin_[static_cast<std::size_t>(n) + 1];
+  for (const std::int32_t n : tuples_) ++begin_[static_cast<std::size_t>(n) + 1];
   for (std::size_t n = 1; n < begin_.size(); ++n) begin_[n] += begin_[n - 1];
   std::vector<Index> next(begin_.begin(), begin_.end() - 1);
-  places_.resize(tuples.size());
-  for (std::size_t p = 0; p < tuples.size(); ++p)
-    places_[static_cast<std::size_t>(next[static_cast<std::size_t>(tuples[p])]++)] =
+  places_.resize(tuples_.size());
+  for (std::size_t p = 0; p < tuples_.size(); ++p)
+    places_[static_cast<std::size_t>(next[static_cast<std::size_t>(tuples_[p])]++)] =
         static_cast<Index>(p);
+}
+
+void TupleAssembler::check_tuples(Index nodes) const {
+  const std::string plugin = "plugin " + origin_ + ": ";
+  if (width_ < 1)
+    throw PluginFailure(plugin + "width() is " + std::to_string(width_) + ", expected 1 at least");
+  if (tuples_.size() % static_cast<std::size_t>(width_) != 0)
+    throw PluginFailure(plugin + "tuples() has " + std::to_string(tuples_.size()) +
+                        " node numbers, expected a multiple of width(), " + std::to_string(width_));
+  const auto bad = std::ranges::find_if(
+      tuples_, [nodes](std::int32_t node) { return node < 0 || node >= nodes; });
+  if (bad != tuples_.end())
+    throw PluginFailure(plugin + "tuple " + std::to_string((bad - tuples_.begin()) / width_) +
+                        " has node " + std::to_string(*bad) + ", expected 0 to " +
+                        std::to_string(nodes - 1));
 }
 
 TupleBlock TupleAssembler::block(const NodeVectors& now, const NodeVectors& lagged, Index first,
@@ -31,7 +46,7 @@ TupleBlock TupleAssembler::block(const NodeVectors& now, const NodeVectors& lagg
   return {.first = first,
           .size = size,
           .width = width_,
-          .nodes = term_->tuples().data() + first * width_,
+          .nodes = tuples_.data() + first * width_,
           .now = &now,
           .lagged = &lagged};
 }
@@ -45,12 +60,13 @@ void TupleAssembler::evaluate(const NodeVectors& now, const NodeVectors& lagged,
     std::ranges::fill(c, Vec3::Zero());
     const TupleBlock tuples = block(now, lagged, first, size);
     guarded(origin_, "computing its force", [&] { term_->affine_force(tuples, k, c); });
-    // c becomes the force −Σ_b k_ab r_b − c_a.
+    // c becomes the force −Σ_b k_ab r_b − c_a; the whole of an explicit term's is constant.
+    const bool with_k = part == Part::stress || is_explicit();
     for (Index t = 0; t < size; ++t)
       for (int a = 0; a < width_; ++a) {
         Vec3& f = c[static_cast<std::size_t>(t * w + a)];
         f = -f;
-        for (int b = 0; b < width_ && part == Part::stress; ++b)
+        for (int b = 0; b < width_ && with_k; ++b)
           f -= k[static_cast<std::size_t>((t * w + a) * w + b)] * tuples.r(t, b);
       }
   });
@@ -79,6 +95,7 @@ void TupleAssembler::bind(const SparseMatrix& pattern) {
 }
 
 void TupleAssembler::add_operator(SparseMatrix& k) const {
+  if (is_explicit()) return;
   parallel_blocks(k.size, kBlock, [&](Index first, Index size) {
     for (Index a = first; a < first + size; ++a)
       for (Index p = begin_[static_cast<std::size_t>(a)];
@@ -91,7 +108,7 @@ void TupleAssembler::add_operator(SparseMatrix& k) const {
   });
 }
 
-double TupleAssembler::energy(const NodeVectors& r) const {
+std::vector<double> TupleAssembler::energies(const NodeVectors& r) const {
   std::vector<double> energies(count(), 0.0);
   parallel_blocks(static_cast<Index>(count()), kBlock, [&](Index first, Index size) {
     guarded(origin_, "computing its energy", [&] {
@@ -99,9 +116,7 @@ double TupleAssembler::energy(const NodeVectors& r) const {
                     {energies.data() + first, static_cast<std::size_t>(size)});
     });
   });
-  double sum = 0;
-  for (const double e : energies) sum += e;
-  return sum;
+  return energies;
 }
 
 }  // namespace deform

@@ -12,7 +12,7 @@ namespace deform {
 class TupleAssembler {
  public:
   TupleAssembler(std::size_t number, std::string origin, std::shared_ptr<const TupleTerm> term,
-                 Index nodes);
+                 const TermTraits& traits, Index nodes);
 
   [[nodiscard]] std::size_t number() const { return number_; }
   enum class Part { stress, constant };
@@ -28,27 +28,34 @@ class TupleAssembler {
   void bind(const SparseMatrix& pattern);
   void add_operator(SparseMatrix& k) const;
 
-  [[nodiscard]] double energy(const NodeVectors& r) const;
+  /// [J], one a tuple.
+  [[nodiscard]] std::vector<double> energies(const NodeVectors& r) const;
+  /// The first of a tuple's nodes, to name it by.
+  [[nodiscard]] Index first_node(std::size_t tuple) const { return node(tuple, 0); }
 
  private:
   [[nodiscard]] std::size_t count() const {
-    return term_->tuples().size() / static_cast<std::size_t>(width_);
+    return tuples_.size() / static_cast<std::size_t>(width_);
   }
   [[nodiscard]] std::int32_t node(std::size_t t, int a) const {
-    return term_->tuples()[t * static_cast<std::size_t>(width_) + static_cast<std::size_t>(a)];
+    return tuples_[t * static_cast<std::size_t>(width_) + static_cast<std::size_t>(a)];
   }
+  [[nodiscard]] bool is_explicit() const { return traits_.lagged == Lagged::none; }
+  void check_tuples(Index nodes) const;
   [[nodiscard]] TupleBlock block(const NodeVectors& now, const NodeVectors& lagged, Index first,
                                  Index size) const;
 
   std::size_t number_;
   std::string origin_;
   std::shared_ptr<const TupleTerm> term_;
-  int width_;
-  std::vector<double> k_;      // (T × width × width)
-  std::vector<Vec3> force_;    // (T × width), of the last evaluation
-  std::vector<Index> begin_;   // of each node's (tuple, place) pairs
-  std::vector<Index> places_;  // tuple * width + place, ascending within a node
-  std::vector<Index> slot_;    // (T × width × width) places in the matrix' values
+  TermTraits traits_;
+  int width_ = 0;
+  std::vector<std::int32_t> tuples_;  // (T × width), a copy: as checked, whatever the term does
+  std::vector<double> k_;             // (T × width × width)
+  std::vector<Vec3> force_;           // (T × width), of the last evaluation
+  std::vector<Index> begin_;          // of each node's (tuple, place) pairs
+  std::vector<Index> places_;         // tuple * width + place, ascending within a node
+  std::vector<Index> slot_;           // (T × width × width) places in the matrix' values
 };
 
 }  // namespace deform

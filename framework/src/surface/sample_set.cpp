@@ -27,6 +27,15 @@ std::span<const FieldDifferences::Term> FieldDifferences::row(Derivative op, Ind
   return {o.terms.data() + begin, end - begin};
 }
 
+bool FieldDifferences::fits(Index m) const {
+  const auto fits = [m](const Operator& op) {
+    return static_cast<Index>(op.begin.size()) == m + 1 &&
+           std::ranges::all_of(op.terms,
+                               [m](const Term& t) { return t.sample >= 0 && t.sample < m; });
+  };
+  return std::all_of(operators_.begin() + slot(Derivative::d1), operators_.end(), fits);
+}
+
 void FieldDifferences::apply(Derivative op, ConstValues field, Index first, Values out) const {
   for (std::size_t i = 0; i < out.size(); ++i) {
     double sum = 0;
@@ -62,9 +71,16 @@ SampleSet::Builder::~Builder() = default;
 void SampleSet::Builder::add(const SampleStencil& sample) {
   SampleSet& set = impl_->set;
   Impl::Coefficients coefficients;
+  const auto check = [&set](const char* what, Index node) {
+    if (node >= 0 && node < set.nodes_) return;
+    throw Error(ExitCode::plugin_failed, std::string("the ") + what + " of sample " +
+                                             std::to_string(set.size()) + " names node " +
+                                             std::to_string(node) + ", expected 0 to " +
+                                             std::to_string(set.nodes_ - 1));
+  };
+  for (const SampleStencil::FrameEntry& entry : sample.frame) check("frame", entry.node);
   for (const SampleStencil::Entry& entry : sample.entries) {
-    if (entry.node < 0 || entry.node >= set.nodes_)
-      throw Error(ExitCode::internal_error, "a sample's stencil names a node that does not exist");
+    check("stencil", entry.node);
     set.nodes_of_.push_back(static_cast<std::int32_t>(entry.node));
     coefficients.push_back(entry.d);
   }
@@ -94,8 +110,12 @@ SampleSet SampleSet::Builder::build() {
     }
   }
   if (set.field_differences_ && !set.samples_are_nodes_)
-    throw Error(ExitCode::internal_error,
+    throw Error(ExitCode::plugin_failed,
                 "a set whose samples are not the nodes cannot difference fields");
+  if (set.field_differences_ && !set.field_differences_->fits(set.size()))
+    throw Error(ExitCode::plugin_failed,
+                "the differences of fields need a row for each of the " +
+                    std::to_string(set.size()) + " samples, and no other sample in any row");
   return std::move(set);
 }
 

@@ -1,7 +1,9 @@
 #include "deform/surface/surface.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -15,11 +17,14 @@ namespace {
 /// Nodes on the rim of a selection count, whatever the rounding of their parameters.
 constexpr double kRim = 1e-9;
 
+/// Numbers of nodes that a message lists.
+constexpr std::size_t kMostListed = 5;
+
 /// Nodes of a surface that were selected so far, and what was wrong with the selectors.
 class Selection {
  public:
-  explicit Selection(const Surface& surface)
-      : surface_(surface), chosen_(static_cast<std::size_t>(surface.nodes())) {}
+  Selection(const Surface& surface, const std::string& pointer)
+      : surface_(surface), pointer_(pointer), chosen_(static_cast<std::size_t>(surface.nodes())) {}
 
   void add(const NodeSelector& selector) {
     switch (selector.form) {
@@ -44,7 +49,7 @@ class Selection {
       if (chosen_[node]) nodes.push_back(static_cast<Index>(node));
     }
     if (nodes.empty() && problems_.empty()) {
-      problems_.push_back({"", "selects no node of the surface, " + extent()});
+      problems_.push_back({pointer_, "selects no node of the surface, " + extent()});
     }
     if (!problems_.empty()) throw InputError(std::move(problems_));
     return nodes;
@@ -67,10 +72,18 @@ class Selection {
 
   void add_closed(const Vec2& lower, const Vec2& upper) {
     const Eigen::MatrixX2d& a = surface_.parameters();
+    const Vec2 period = surface_.period();
     for (Index node = 0; node < a.rows(); ++node) {
-      const Vec2 at = a.row(node);
-      if ((at.array() >= lower.array()).all() && (at.array() <= upper.array()).all()) choose(node);
+      if (is_between(a(node, 0), lower[0], upper[0], period[0]) &&
+          is_between(a(node, 1), lower[1], upper[1], period[1]))
+        choose(node);
     }
+  }
+
+  /// On a joined side the interval may reach over the seam: some image of the parameter is in it.
+  static bool is_between(double a, double lower, double upper, double period) {
+    if (period > 0) a += period * std::ceil((lower - a) / period);
+    return a >= lower && a <= upper;
   }
 
   void add_named(const std::string& what, const std::vector<std::string>& wanted,
@@ -97,19 +110,26 @@ class Selection {
       known.emplace_back("all");
       message += did_you_mean(name, known);
     }
-    problems_.push_back({"", message});
+    problems_.push_back({pointer_, message});
   }
 
   void add_numbers(const std::vector<std::int64_t>& numbers) {
+    std::vector<std::int64_t> unknown;
     for (const std::int64_t number : numbers) {
       if (number >= 0 && number < surface_.nodes()) {
         choose(number);
       } else {
-        problems_.push_back({"", "the surface has no node " + std::to_string(number) +
-                                     ", its nodes are 0 to " +
-                                     std::to_string(surface_.nodes() - 1)});
+        unknown.push_back(number);
       }
     }
+    if (unknown.empty()) return;
+    // A list for another surface may have a million of them: one problem for all.
+    const std::size_t listed = std::min(unknown.size(), kMostListed);
+    std::string message = fmt::format("the surface has no node {}",
+                                      fmt::join(std::span(unknown).first(listed), ", "));
+    if (listed < unknown.size()) message += fmt::format(" and {} more", unknown.size() - listed);
+    problems_.push_back(
+        {pointer_, message + fmt::format("; its nodes are 0 to {}", surface_.nodes() - 1)});
   }
 
   [[nodiscard]] std::string extent() const {
@@ -122,6 +142,7 @@ class Selection {
   }
 
   const Surface& surface_;
+  const std::string& pointer_;  // of the selection, in the scene
   std::vector<bool> chosen_;
   std::vector<Problem> problems_;
 };
@@ -131,7 +152,7 @@ class Selection {
 Surface::~Surface() = default;
 
 std::vector<Index> select_nodes(const Surface& surface, const NodeSelection& where) {
-  Selection selection(surface);
+  Selection selection(surface, where.pointer);
   for (const NodeSelector& selector : where.selectors) selection.add(selector);
   return std::move(selection).nodes();
 }

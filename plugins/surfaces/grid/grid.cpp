@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <sstream>
 #include <unistd.h>
 
 #include <deform/surface/shape.h>
@@ -16,7 +17,7 @@ using grid::Row;
 struct Parameters {
   std::array<std::int64_t, 2> nodes{21, 21};
   Vec2 size{1.0, 1.0};
-  std::string differences = "central", border = "one_sided", weights = "area";
+  std::string differences = "forward", border = "one_sided", weights = "area";
   std::array<bool, 2> periodic{false, false};
   PluginUse rest{.kind = PluginKind::shape, .name = "flat"};
   PluginUse initial{.kind = PluginKind::shape, .name = ""};
@@ -24,7 +25,10 @@ struct Parameters {
   static void declare(Declaration<Parameters>& d) {
     d("nodes", &Parameters::nodes, "", "nodes along a1 and a2").required().at_least(3);
     d("size", &Parameters::size, "m", "extent of the parameters a1 and a2").above(0);
-    d("differences", &Parameters::differences, "", "of r: forward (the paper's D^+) or central")
+    d("differences", &Parameters::differences, "",
+      "of r: forward (the paper's D^+), or central: normals of second order, but blind to what "
+      "alternates from "
+      "node to node, which stretching then does not resist")
         .one_of({"forward", "central"});
     d("border", &Parameters::border, "",
       "paper: differences that leave the grid do not exist; one_sided: the nearest that does not")
@@ -38,9 +42,11 @@ struct Parameters {
   }
 };
 
-/// Bytes that a run needs for each node, roughly: operators, geometry of three states, matrix and
-/// factor.
-constexpr double kBytesPerNode = 6e3;
+/// Bytes that a run needs for each node: operators, geometry of three states, matrix and factor.
+/// Measured at 513 × 513 nodes: 3.4e3 with bending, 4.3e3 with bending_variational, whose matrix is
+/// denser (at 129 × 129 a fifth more); mirror_asymmetry, which runs a second sheet, takes half as
+/// much again.
+constexpr double kBytesPerNode = 4.3e3;
 
 /// Rectangular grid with the paper's differences; its samples are its nodes.
 class Grid final : public Surface {
@@ -58,6 +64,10 @@ class Grid final : public Surface {
 
   [[nodiscard]] Index nodes() const override { return n_1_ * n_2_; }
   [[nodiscard]] const Eigen::MatrixX2d& parameters() const override { return parameters_; }
+  [[nodiscard]] Vec2 period() const override {
+    return {periodic_[0] ? h_1_ * static_cast<double>(n_1_) : 0.0,
+            periodic_[1] ? h_2_ * static_cast<double>(n_2_) : 0.0};
+  }
   [[nodiscard]] const NodeValues& areas() const override { return areas_; }
   [[nodiscard]] const NodeVectors& rest() const override { return rest_; }
   [[nodiscard]] const NodeVectors& initial() const override { return initial_; }
@@ -93,25 +103,47 @@ class Grid final : public Surface {
  private:
   [[nodiscard]] Index node(Index i, Index j) const { return i + n_1_ * j; }
 
+  [[noreturn]] static void reject(const std::string& key, const std::string& why) {
+    throw InputError({Problem{"/" + key, why}});
+  }
+
   static void check_size(const Parameters& p) {
     const double count = static_cast<double>(p.nodes[0]) * static_cast<double>(p.nodes[1]);
     const double bytes = count * kBytesPerNode;
     const double memory =
         static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
     const std::string grid =
-        "nodes: a grid of " + std::to_string(p.nodes[0]) + " × " + std::to_string(p.nodes[1]);
+        "a grid of " + std::to_string(p.nodes[0]) + " × " + std::to_string(p.nodes[1]);
     if (count > 2147483647.0)
-      throw InputError(grid + " has more nodes than can be numbered (2^31 − 1)");
+      reject("nodes", grid + " has more nodes than can be numbered (2^31 − 1)");
     if (bytes > memory)
-      throw InputError(grid + " needs about " + std::to_string(std::llround(bytes / 1e9)) +
-                       " GB, this machine has " + std::to_string(std::llround(memory / 1e9)) +
-                       " GB");
+      reject("nodes", grid + " needs about " + std::to_string(std::llround(bytes / 1e9)) +
+                          " GB, this machine has " + std::to_string(std::llround(memory / 1e9)) +
+                          " GB");
+  }
+
+  /// The operators divide by a cell's sides, twice, and masses are proportional to its area: no
+  /// double holds these for sizes beyond all measure.
+  void check_cells(const Parameters& p) const {
+    const auto check = [&](double h, int direction) {
+      if (!std::isnormal(h * h) || !std::isnormal(1 / (h * h)) || !std::isnormal(h_1_ * h_2_))
+        reject("size", shown(p.size[direction]) + " m makes cells of " + shown(h_1_) + " × " +
+                           shown(h_2_) + " m, too extreme for its differences");
+    };
+    check(h_1_, 0);
+    check(h_2_, 1);
+  }
+  static std::string shown(double value) {
+    std::ostringstream text;
+    text << value;
+    return text.str();
   }
 
   void make_parameters(const Parameters& p) {
     periodic_ = p.periodic;
     h_1_ = p.size[0] / static_cast<double>(periodic_[0] ? n_1_ : n_1_ - 1);
     h_2_ = p.size[1] / static_cast<double>(periodic_[1] ? n_2_ : n_2_ - 1);
+    check_cells(p);
     parameters_.resize(nodes(), 2);
     for (Index j = 0; j < n_2_; ++j)
       for (Index i = 0; i < n_1_; ++i)
@@ -143,7 +175,14 @@ class Grid final : public Surface {
 
   [[nodiscard]] NodeVectors positions(const PluginUse& use, const Vec2& size,
                                       const Setup& setup) const {
-    return setup.create<Shape>(use)->positions(parameters_, size);
+    try {
+      return setup.create<Shape>(use)->positions(parameters_, size);
+    } catch (const InputError& error) {
+      std::vector<Problem> problems = error.problems();
+      for (Problem& problem : problems)  // the shape knows not where in the scene it stands
+        if (problem.pointer.empty()) problem.pointer = use.pointer;
+      throw InputError(std::move(problems));
+    }
   }
 
   /// A shape must close where a side is joined: the seam no longer than three times a neighbouring
@@ -152,9 +191,9 @@ class Grid final : public Surface {
     const auto check = [&](const NodeVectors& r, Index a, Index b, Index c, int direction) {
       const double seam = (r.row(a) - r.row(b)).norm(), cell = (r.row(b) - r.row(c)).norm();
       if (!(seam <= 3 * cell))
-        throw InputError("periodic: the shape does not close along a" + std::to_string(direction) +
-                         ": last and first node are " + std::to_string(seam) +
-                         " m apart, their cells " + std::to_string(cell) + " m");
+        reject("periodic", "the shape does not close along a" + std::to_string(direction) +
+                               ": last and first node are " + std::to_string(seam) +
+                               " m apart, their cells " + std::to_string(cell) + " m");
     };
     for (const NodeVectors* r : {&rest_, &initial_}) {
       for (Index j = 0; p.periodic[0] && j < n_2_; ++j)

@@ -35,6 +35,10 @@ class FakeSurface final : public Surface {
   /// (N × 3) what initial() gives from now on.
   void set_initial(const NodeVectors& initial) { initial_ = initial; }
 
+  /// Length after which a1 comes round again, from now on.
+  void set_period(double period) { period_ = period; }
+
+  [[nodiscard]] Vec2 period() const override { return {period_, 0}; }
   [[nodiscard]] Index nodes() const override { return columns_ * rows_; }
   [[nodiscard]] const Eigen::MatrixX2d& parameters() const override { return parameters_; }
   [[nodiscard]] const NodeValues& areas() const override { return areas_; }
@@ -69,6 +73,7 @@ class FakeSurface final : public Surface {
   }
 
   Index columns_, rows_;
+  double period_ = 0;
   Eigen::MatrixX2d parameters_;
   NodeValues areas_;
   NodeVectors rest_, initial_;

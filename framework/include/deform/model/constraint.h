@@ -15,7 +15,7 @@ class DEFORM_API Reduction {
  public:
   explicit Reduction(Index nodes);
   /// Prescribes component c (0: x, 1: y, 2: z) of a node. Prescribing it twice is fine: the later
-  /// constraint in the scene gives the value.
+  /// constraint in the scene gives the value. Throws Error when there is no such node or component.
   void prescribe(Index node, int component);
   [[nodiscard]] bool prescribed(Index node, int component) const {
     return prescribed_[static_cast<std::size_t>(component)][static_cast<std::size_t>(node)] != 0;

@@ -51,15 +51,14 @@ using Coupling = std::pair<Channel, Derivative>;
     std::initializer_list<Derivative> derivatives);
 
 /// A block of samples as a term on jets sees it.
-struct SampleBlock {
+struct DEFORM_API SampleBlock {
   GeometryBlock now;     ///< the state at which the term is evaluated
   GeometryBlock lagged;  ///< the state that lagged coefficients come from (often the same)
   GeometryBlock rest;    ///< the rest state: G⁰ = rest.G(ij), B⁰ = rest.B(ij)
 
-  /// D^- of the term's auxiliary field f (strong form only); out has size() numbers.
-  void difference(Derivative op, int f, Values out) const {
-    differences->apply(op, auxiliary[static_cast<std::size_t>(f)], first(), out);
-  }
+  /// D^- of the term's auxiliary field f (strong form only); out has size() numbers. Throws Error
+  /// where there is no such field.
+  void difference(Derivative op, int f, Values out) const;
 
   [[nodiscard]] Index size() const { return now.size(); }
   [[nodiscard]] Index first() const { return now.first(); }
@@ -67,6 +66,12 @@ struct SampleBlock {
   const FieldDifferences* differences = nullptr;
   std::span<const ConstValues> auxiliary;  ///< whole fields (m)
 };
+
+/// Adds factor · Σ w_ij (T_ij − T⁰_ij)² over all four ij, the weighted norm of (17) and (18), at
+/// each sample of a block: for T = G or B, `tensor` is &GeometryBlock::G or &GeometryBlock::B.
+DEFORM_API void add_weighted_norm(double factor, const PairWeights& weights,
+                                  const SampleBlock& block,
+                                  ConstValues (GeometryBlock::*tensor)(Pair) const, Values density);
 
 /// Stress of a block as an affine form of the jet, σ_m = Σ_n k_mn D_n r + c_m; terms add to it.
 class DEFORM_API AffineStress {
@@ -78,8 +83,13 @@ class DEFORM_API AffineStress {
     return {values, size_};
   }
   [[nodiscard]] Values k(Derivative m, Derivative n) const { return k(channel(m), n); }
-  /// Constant part c_m.
-  [[nodiscard]] Vectors c(Channel m) const { return c_[static_cast<std::size_t>(slot(m))]; }
+  /// Constant part c_m; throws Error for a channel of the strong form that the term's traits do not
+  /// promise.
+  [[nodiscard]] Vectors c(Channel m) const {
+    const Vectors c = c_[static_cast<std::size_t>(slot(m))];
+    if (!c) undeclared(m);
+    return c;
+  }
   [[nodiscard]] Vectors c(Derivative m) const { return c(channel(m)); }
 
   using CouplingTable = std::array<std::array<double*, kDerivatives>, kChannels>;
@@ -89,12 +99,14 @@ class DEFORM_API AffineStress {
 
  private:
   [[noreturn]] static void undeclared(Channel m, Derivative n);
+  [[noreturn]] static void undeclared(Channel m);
   CouplingTable k_;
   ConstantTable c_;
   std::size_t size_;
 };
 
-/// Stress vectors of a block, one a channel.
+/// Stress vectors of a block, one a channel; null on the strong form's channels where the term's
+/// traits do not promise it.
 struct Stress {
   std::array<Vectors, kChannels> sigma;
   [[nodiscard]] Vectors operator()(Derivative m) const {

@@ -33,6 +33,9 @@ using ParameterFields = std::vector<ParameterField>;
 class FieldRefinement {
  public:
   explicit FieldRefinement(ParameterField* field) : field_(field) {}
+  // Each changes the field and returns *this only for the next in a chain: the last result is
+  // dropped.
+  // NOLINTBEGIN(modernize-use-nodiscard)
   const FieldRefinement& required() const {
     return with([](auto& f) { f.required = true; });
   }
@@ -51,6 +54,7 @@ class FieldRefinement {
   const FieldRefinement& one_of(std::vector<std::string> names) const {
     return with([&names](auto& f) { f.choices = std::move(names); });
   }
+  // NOLINTEND(modernize-use-nodiscard)
 
  private:
   template <class Change>

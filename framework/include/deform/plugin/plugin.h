@@ -24,6 +24,12 @@ class DEFORM_API Memory {
 };
 
 /// Base of every plugin interface. Objects without memory need neither save nor load.
+///
+/// `save` puts all that the object's results depend on and that is not in the scene or the State;
+/// it is called between steps, before probes and outputs record the step. `load` gets the same back
+/// in an object that was made from the same scene (and begun, where there is a `begin`): from there
+/// on the object must do what the saved one did, to the last bit. Throws InputError, as Memory::get
+/// does, when the memory is not one of its own.
 class DEFORM_API Plugin {
  public:
   Plugin() = default;

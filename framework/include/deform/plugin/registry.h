@@ -40,6 +40,8 @@ class DEFORM_API LoadedPlugin {
                                                const Setup& setup) const;
 
  private:
+  [[nodiscard]] std::shared_ptr<Plugin> checked(std::shared_ptr<Plugin> object) const;
+
   PluginFile file_;
   std::shared_ptr<void> library_;
   const PluginDescriptor* descriptor_;
@@ -51,8 +53,10 @@ class DEFORM_API LoadedPlugin {
 /// the current or the scene's folder.
 class DEFORM_API PluginRegistry {
  public:
-  /// `folders`: from --plugin-path; throws InputError for one that is not a folder.
-  explicit PluginRegistry(const std::vector<std::filesystem::path>& folders = {});
+  /// `folders`: from --plugin-path; throws InputError for one that is not a folder. `library`, where
+  /// one is given, stands for its kind and name wherever it lies and whatever the folders hold.
+  explicit PluginRegistry(const std::vector<std::filesystem::path>& folders = {},
+                          const std::filesystem::path& library = {});
   ~PluginRegistry();
   PluginRegistry(const PluginRegistry&) = delete;
   PluginRegistry& operator=(const PluginRegistry&) = delete;

@@ -52,6 +52,7 @@ struct NodeSelector {
 /// A union of selectors.
 struct NodeSelection {
   std::vector<NodeSelector> selectors;
+  std::string pointer{};  ///< where the scene says so
 };
 
 class ParameterValues;

@@ -34,6 +34,9 @@ struct RunContext {
   System& system;
   /// Makes the same simulation mirrored at z = 0, at its initial state.
   std::function<std::unique_ptr<CompanionRun>()> mirrored;
+  /// The run goes on from a checkpoint: what was written of earlier steps is there and stays, and
+  /// Plugin::load follows.
+  bool resumed = false;
 };
 
 }  // namespace deform

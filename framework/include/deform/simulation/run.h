@@ -15,7 +15,10 @@ namespace deform {
 
 struct RunOptions {
   std::filesystem::path folder;  ///< the run directory; made, must not exist unless `force`
-  bool force = false;            ///< replace an existing run directory
+  /// Goes on from the checkpoint in the folder, to the same bits as without interruption; where
+  /// there is none, starts anew with a warning. `force` does not count then.
+  bool resume = false;
+  bool force = false;  ///< replace an existing run directory
   /// Called after each step with the steps done and to do.
   std::function<void(long done, long total)> progress;
   const std::atomic<bool>* interrupted =
@@ -27,6 +30,7 @@ struct RunResult {
   ExitCode code = ExitCode::done;
   std::string reason;  ///< empty when done
   long steps = 0;
+  long resumed_after = 0;  ///< of these, the steps that were done before the run was resumed
   double wall_seconds = 0;
   StepTimes times;
   std::vector<std::pair<std::string, double>>
@@ -34,6 +38,10 @@ struct RunResult {
   double stepping_seconds =
       0;  ///< of wall_seconds: from the first step to the last, recording included
 };
+
+/// Makes everything that a run of the scene is made of, runs nothing and writes nothing. Throws
+/// InputError with every problem found, as `run` would before it writes anything.
+DEFORM_API void check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry);
 
 /// Runs a scene to its end and writes the run directory: scene.json, manifest.json, probes.csv,
 /// summary.json, log.txt and the outputs. Divergence, interruption and plugin failures are results

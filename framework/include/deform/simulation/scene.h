@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -23,6 +24,7 @@ struct RecorderUse {
 /// range.
 struct DEFORM_API Scene {
   std::filesystem::path file;
+  std::string variant = "base";
   std::string title;
   PluginUse surface;
   Material material;
@@ -34,10 +36,18 @@ struct DEFORM_API Scene {
   std::vector<RecorderUse> outputs, probes;
   Vec3 velocity = Vec3::Zero();       ///< of every free node at first [m/s]
   double max_distance = 10;           ///< diverged beyond it, in sizes of the surface
+  long checkpoint_every = 0;          ///< steps between checkpoints; 0: not by steps
+  double checkpoint_seconds = 30;     ///< time between checkpoints [s]; 0: not by time
   std::vector<std::string> variants;  ///< names in the order of the file; without "base"
   std::string completed;              ///< the scene as JSON text with every default written out
 
+  /// Where the value at a JSON pointer was written: "FILE:LINE:COLUMN" or "--set POINTER".
+  std::function<std::string(const std::string& pointer)> place;
+
   [[nodiscard]] long steps() const;  ///< duration / step, rounded
+  /// A problem that shows only when the scene's parts are made, with its place in front of the
+  /// message as the problems of the reader have it.
+  [[nodiscard]] Problem located(Problem problem) const;
 };
 
 /// A value to put at a JSON pointer before the scene is checked (`--set`); the text is JSON, else a
@@ -59,5 +69,15 @@ struct Replacement {
                                                const PluginRegistry& registry,
                                                const std::vector<Replacement>& replacements = {},
                                                const std::string& variant = "base");
+
+/// The base and all variants of a scene, in the order of the file. Throws as read_scene does.
+[[nodiscard]] DEFORM_API std::vector<Scene> read_variants(const std::filesystem::path& file,
+                                                          const PluginRegistry& registry);
+
+/// JSON Schema (draft 2020-12, as text) of scenes, with the parameters of every plugin that is
+/// found; one that does not load is left out, which the log says. It accepts whatever read_scene
+/// accepts; what no schema can say (names of nodes, sizes, files, what variants lead to) is left
+/// to read_scene and `check`.
+[[nodiscard]] DEFORM_API std::string scene_schema(const PluginRegistry& registry);
 
 }  // namespace deform

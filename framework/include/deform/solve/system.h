@@ -95,11 +95,19 @@ class DEFORM_API System {
   /// The lagged operator K (N × N, shared by x, y, z) of the last evaluate_with_operator.
   [[nodiscard]] const SparseMatrix& lagged_operator() const;
 
+  /// Chooses the linear solver now, else the first `solve` does. Throws InputError when none takes
+  /// this model's matrices.
+  void choose_solver();
   /// Solves (K + diag(d)) x = b on the free degrees of freedom; prescribed entries of x (N × 3) are
   /// given. Throws Error with ExitCode::diverged and each solver's reason when none can.
   void solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x);
   /// Writes the prescribed components [m] at a time; leaves the others alone.
   void prescribe(double time, NodeVectors& r) const;
+
+  /// Puts `after`, whose time is `step` seconds later than `before`'s, on the constraints:
+  /// prescribed components get their positions and the velocity that led there. What an explicit
+  /// step ends with.
+  void constrain(const NodeVectors& before, double step, State& after) const;
 
   /// Energy of one term at a state [J] (coefficients lagged at the same state).
   [[nodiscard]] double energy(std::size_t term, const State& state);
@@ -116,15 +124,22 @@ class DEFORM_API System {
     NodeVectors c;
   };
   [[nodiscard]] LaggedForce lagged_force(std::size_t term, const State& state);
-  /// Name of the term (or "external forces") with the largest, or first not finite, force at a
-  /// node.
+  /// Name of the energy term or force field with the largest force at a node.
   [[nodiscard]] std::string largest_force_at(Index node, const State& state);
 
   [[nodiscard]] StepTimes& times();
+  /// What a log should say of the model: which terms leave their force to a numerical derivative.
+  [[nodiscard]] std::vector<std::string> notes() const;
   /// Why the solver in use is the one in use.
   [[nodiscard]] const std::string& solver_choice() const;
 
  private:
+  void require_promised_symmetry();
+  [[noreturn]] void throw_force_not_finite(const State& state);
+  [[noreturn]] void throw_operator_not_finite(const State& state);
+  [[noreturn]] void throw_prescribed_not_finite(double time, Index node) const;
+  [[noreturn]] void throw_energy_not_finite(std::size_t term, Index node) const;
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

@@ -57,6 +57,8 @@ class DEFORM_API FieldDifferences {
   void apply(Derivative op, ConstValues field, Index first, Values out) const;
   /// The row of sample s.
   [[nodiscard]] std::span<const Term> row(Derivative op, Index s) const;
+  /// True when there is a row of d1 … d22 for each of m samples, and no row names another.
+  [[nodiscard]] bool fits(Index m) const;
 
  private:
   struct Operator {

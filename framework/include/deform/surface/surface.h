@@ -27,6 +27,8 @@ class DEFORM_API Surface : public Plugin {
   [[nodiscard]] virtual Index nodes() const = 0;
   /// (N × 2) parameters (a1, a2) of the nodes [m].
   [[nodiscard]] virtual const Eigen::MatrixX2d& parameters() const = 0;
+  /// Length [m] after which a1 and a2 come round again on joined sides; 0 on open ones.
+  [[nodiscard]] virtual Vec2 period() const { return Vec2::Zero(); }
   /// (N) parameter area of each node [m²].
   [[nodiscard]] virtual const NodeValues& areas() const = 0;
   /// (N × 3) rest and initial positions [m].

@@ -1,0 +1,98 @@
+#include "simulation/resumption.h"
+
+#include <system_error>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "deform/error.h"
+
+#include "simulation/files.h"
+#include "simulation/run_directory.h"
+
+namespace deform {
+namespace {
+
+namespace fs = std::filesystem;
+
+Json parsed(const std::optional<std::string>& text) {
+  Json json = text ? Json::parse(*text, nullptr, false) : Json();
+  return json.is_discarded() ? Json() : json;
+}
+
+/// Where two scenes differ first, apart from how long and how safely they run.
+std::string difference(const Json& there, const Json& here) {
+  for (const Json& change : Json::diff(there, here)) {
+    const std::string pointer = change["path"].get<std::string>();
+    if (!pointer.starts_with("/duration") && !pointer.starts_with("/checkpoint")) return pointer;
+  }
+  return "/";
+}
+
+void refuse_other_scene(const fs::path& folder, const std::string& there, const Scene& scene) {
+  if (identity_of(there) == identity_of(scene)) return;
+  const Json old = parsed(there);
+  const std::string where =
+      old.is_object() ? "; the first difference is at " + difference(old, parsed(scene.completed))
+                      : "";
+  throw InputError(fmt::format(
+      "cannot resume in '{}': it holds the run of another scene (scene.json){}; --force instead of "
+      "--resume replaces it",
+      folder.string(), where));
+}
+
+void check(const Checkpoint& checkpoint, const fs::path& folder, const Scene& scene) {
+  const auto refuse = [&folder](const std::string& reason) {
+    throw InputError(
+        fmt::format("cannot resume from {}: {}", checkpoint_file(folder).string(), reason));
+  };
+  if (checkpoint.scene != identity_of(scene)) refuse("it belongs to another scene");
+  if (checkpoint.step > scene.steps()) {
+    refuse(fmt::format("it was written after step {}, the scene ends with step {}", checkpoint.step,
+                       scene.steps()));
+  }
+  std::error_code error;
+  const fs::path table = folder / "probes.csv";
+  const std::uintmax_t size = fs::file_size(table, error);
+  if (error || size < checkpoint.table_bytes) {
+    refuse(fmt::format(
+        "{} {}, the checkpoint needs {} bytes of it", table.string(),
+        error ? "cannot be read: " + error.message() : fmt::format("has {} bytes only", size),
+        checkpoint.table_bytes));
+  }
+}
+
+}  // namespace
+
+Resumption look_for_run(const fs::path& folder, const Scene& scene) {
+  Resumption found;
+  check_run_directory(folder, true);
+  found.manifest = parsed(read_file(folder / "manifest.json"));
+  const bool done = found.manifest.is_object() && found.manifest.value("status", Json()) == "done";
+  const std::optional<std::string> there = read_file(folder / "scene.json");
+  if (there) refuse_other_scene(folder, *there, scene);
+  found.finished = done && there == scene.completed;
+  if (found.finished) return found;
+  found.checkpoint = read_checkpoint(folder);
+  if (found.checkpoint) {
+    check(*found.checkpoint, folder, scene);
+  } else if (done) {
+    throw InputError(
+        fmt::format("cannot resume in '{}': it holds a finished run and no checkpoint.bin from "
+                    "which it could be prolonged; --force instead of --resume replaces it",
+                    folder.string()));
+  }
+  return found;
+}
+
+void remove_half_written(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.path().extension() == ".part" && entry.is_regular_file())
+      files.push_back(entry.path());
+  }
+  std::error_code ignored;  // they are in nobody's way
+  for (const fs::path& file : files) fs::remove(file, ignored);
+}
+
+}  // namespace deform

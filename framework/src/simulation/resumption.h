@@ -1,0 +1,28 @@
+/// What a run directory offers to a run that is to be resumed in it.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "deform/simulation/scene.h"
+
+#include "scene/json.h"
+#include "simulation/checkpoint.h"
+
+namespace deform {
+
+struct Resumption {
+  bool finished = false;                 ///< the scene's run is there, to its end
+  std::optional<Checkpoint> checkpoint;  ///< none: the run starts anew
+  Json manifest;                         ///< of the run so far; null where there is none
+};
+
+/// Looks, changes nothing. Throws InputError naming file and reason where the folder holds
+/// something else than a run, the run of another scene, or a checkpoint that cannot be used.
+[[nodiscard]] Resumption look_for_run(const std::filesystem::path& folder, const Scene& scene);
+
+/// Removes the temporary files of writes that were cut off.
+void remove_half_written(const std::filesystem::path& folder);
+
+}  // namespace deform

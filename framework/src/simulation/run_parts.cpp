@@ -1,0 +1,72 @@
+#include "simulation/run_parts.h"
+
+#include <utility>
+
+#include "deform/simulation/run.h"
+
+#include "simulation/part_maker.h"
+
+namespace deform {
+
+RunParts make_run_parts(const Scene& scene, const std::shared_ptr<const PluginRegistry>& registry) {
+  std::shared_ptr<const Surface> own;  // where there is no simulation to take it from
+  RunParts parts;
+  PartMaker maker(scene, registry);
+  const Surface* surface = nullptr;
+  try {
+    parts.simulation = std::make_unique<Simulation>(scene, registry);
+    surface = &parts.simulation->system().surface();
+  } catch (const InputError& e) {
+    // Look at probes and outputs all the same, if there is a surface for them to look at.
+    PartMaker again(scene, registry);
+    if (auto made = again.make<Surface>(scene.surface, again.setup())) own = made->object;
+    surface = own.get();
+    maker.add(e.problems());
+  }
+  if (surface != nullptr) {
+    const Setup setup = maker.setup(*surface, surface->rest());
+    parts.probes.emplace(scene.probes, maker, setup);
+    parts.outputs.emplace(scene.outputs, maker, setup);
+  }
+  maker.throw_problems();
+  return parts;
+}
+
+RunContext make_run_context(const RunParts& parts, const std::filesystem::path& folder) {
+  Simulation& simulation = *parts.simulation;
+  return {folder, simulation.scene().title, simulation.system(),
+          [&simulation] { return simulation.mirrored(); }, false};
+}
+
+void begin_probes(RunParts& parts, const RunContext& context) {
+  try {
+    parts.probes->begin(context);
+  } catch (const InputError& e) {
+    std::vector<Problem> placed;
+    for (const Problem& problem : e.problems()) {
+      placed.push_back(parts.simulation->scene().located(problem));
+    }
+    throw InputError(std::move(placed));
+  }
+}
+
+std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginRegistry& registry) {
+  if (scene.surface.parameters == nullptr) return {};
+  PartMaker maker(scene, {std::shared_ptr<const PluginRegistry>(), &registry});
+  if (const auto surface = maker.make<Surface>(scene.surface, maker.setup())) {
+    const Setup setup = maker.setup(*surface->object, surface->object->rest());
+    (void)maker.make_all<EnergyTerm>(scene.energies, setup);
+    (void)maker.make_all<ForceField>(scene.forces, setup);
+    (void)maker.make_all<Constraint>(scene.constraints, setup);
+    const ProbeRecorder probes(scene.probes, maker, setup);
+    const OutputRecorder outputs(scene.outputs, maker, setup);
+  }
+  return maker.problems();
+}
+
+void check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry) {
+  RunParts parts = make_run_parts(scene, registry);
+  begin_probes(parts, make_run_context(parts, {}));
+}
+
+}  // namespace deform

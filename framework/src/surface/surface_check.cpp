@@ -1,0 +1,117 @@
+#include "surface/surface_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "deform/error.h"
+
+#include "plugin/guard.h"
+
+namespace deform {
+namespace {
+
+/// Collects the contradictions of one surface.
+class SurfaceCheck {
+ public:
+  explicit SurfaceCheck(const Surface& surface) : surface_(surface), nodes_(surface.nodes()) {}
+
+  std::vector<std::string> contradictions() {
+    if (nodes_ < 1) return {fmt::format("nodes() is {}, expected 1 at least", nodes_)};
+    check_arrays();
+    check_faces();
+    for (const SampleRole role : {SampleRole::membrane, SampleRole::bending}) check_samples(role);
+    for (const std::string& name : surface_.boundary_names())
+      check_selection("boundary", name, surface_.boundary(name));
+    for (const std::string& name : surface_.corner_names())
+      check_selection("corner", name, surface_.corner(name));
+    return std::move(contradictions_);
+  }
+
+ private:
+  template <class... Values>
+  void note(fmt::format_string<Values...> text, Values&&... values) {
+    contradictions_.push_back(fmt::format(text, std::forward<Values>(values)...));
+  }
+
+  template <class Matrix>
+  void check_array(const char* what, const Matrix& values) {
+    if (values.rows() != nodes_) {
+      note("{} has {} rows, expected {}, the number of nodes", what, values.rows(), nodes_);
+    } else if (!values.allFinite()) {
+      note("{} has a value that is not finite", what);
+    }
+  }
+
+  void check_arrays() {
+    check_array("parameters()", surface_.parameters());
+    check_array("areas()", surface_.areas());
+    check_array("rest()", surface_.rest());
+    check_array("initial()", surface_.initial());
+    const double smallest = surface_.areas().size() == 0 ? 1 : surface_.areas().minCoeff();
+    if (smallest <= 0) note("areas() has {}, expected a positive area for each node", smallest);
+  }
+
+  void check_faces() {
+    const Faces& faces = surface_.faces();
+    const bool is_table = !faces.begin.empty() && faces.begin.front() == 0 &&
+                          std::is_sorted(faces.begin.begin(), faces.begin.end()) &&
+                          faces.begin.back() == static_cast<std::int64_t>(faces.nodes.size());
+    if (!is_table) {
+      note("faces().begin must ascend from 0 to the {} entries of faces().nodes",
+           faces.nodes.size());
+    }
+    for (const std::int32_t node : faces.nodes) {
+      if (!is_node(node)) return note_node("faces()", node);
+    }
+  }
+
+  void check_samples(SampleRole role) {
+    const char* const what = role == SampleRole::membrane ? "samples(membrane)" : "samples(bending)";
+    const SampleSet& samples = surface_.samples(role);
+    if (samples.nodes() != nodes_) {
+      note("{} was built for {} nodes, expected {}", what, samples.nodes(), nodes_);
+    }
+    const ConstValues weights = samples.weights();
+    const auto bad = std::ranges::find_if(weights, [](double w) { return !(w >= 0 && w < kInfinity); });
+    if (bad != weights.end()) {
+      note("{} has a sample of weight {}, expected a finite area", what, *bad);
+    }
+  }
+
+  void check_selection(const char* what, const std::string& name, const std::vector<Index>& nodes) {
+    const std::string place = fmt::format("{}(\"{}\")", what, name);
+    if (!std::is_sorted(nodes.begin(), nodes.end(), std::less_equal<>())) {
+      note("{} must give each node once, ascending", place);
+    }
+    for (const Index node : nodes) {
+      if (!is_node(node)) return note_node(place, node);
+    }
+  }
+
+  [[nodiscard]] bool is_node(Index node) const { return node >= 0 && node < nodes_; }
+  void note_node(const std::string& place, Index node) {
+    note("{} names node {}, expected 0 to {}", place, node, nodes_ - 1);
+  }
+
+  const Surface& surface_;
+  Index nodes_;
+  std::vector<std::string> contradictions_;
+};
+
+}  // namespace
+
+void check_surface(const Surface& surface, const std::string& origin) {
+  const auto found = guarded(origin, "describing its nodes",
+                             [&] { return SurfaceCheck(surface).contradictions(); });
+  if (found.empty()) return;
+  throw PluginFailure(
+      fmt::format("plugin {} made a surface that contradicts itself: {}", origin,
+                  fmt::join(found, "; ")));
+}
+
+}  // namespace deform
