@@ -15,6 +15,7 @@
 #include "deform/plugin/registry.h"
 #include "deform/version.h"
 
+#include "plugin_command.h"
 #include "plugins_command.h"
 #include "progress.h"
 #include "report_error.h"
@@ -38,6 +39,8 @@ struct Arguments {
   RunCommand run;
   std::vector<std::string> sets;
   std::string which_plugin;
+  NewPlugin new_plugin;
+  ContractOptions contract;
   std::vector<std::filesystem::path> scenes;
   std::filesystem::path schema_folder;
 };
@@ -91,6 +94,35 @@ CLI::App& add_plugins(CLI::App& app, Arguments& arguments) {
   return plugins;
 }
 
+CLI::App& add_plugin(CLI::App& app, Arguments& arguments) {
+  CLI::App& plugin = *app.add_subcommand("plugin", "Begin a plugin of your own; test one");
+  plugin.require_subcommand(1);
+
+  CLI::App& make = *plugin.add_subcommand("new", "Write a project of a plugin that works");
+  make.add_option("KIND", arguments.new_plugin.kind, "normal, energy, force, …: see deform plugins")
+      ->required()
+      ->type_name("");
+  make.add_option("NAME", arguments.new_plugin.name, "what scenes call it")
+      ->required()
+      ->type_name("");
+  make.add_option("--out", arguments.new_plugin.folder, "folder of the project (default: NAME)")
+      ->type_name("DIR");
+
+  CLI::App& check = *plugin.add_subcommand("check", "Test what a plugin promises");
+  check.add_option("LIBRARY", arguments.contract.library, "KIND-NAME.so")->required()->type_name("");
+  check
+      .add_option("--parameters", arguments.contract.parameters,
+                  "JSON object of the parameters to check it with; those that are required must be "
+                  "there")
+      ->type_name("JSON");
+  check
+      .add_option("--plugin-path", arguments.contract.folders,
+                  "folder to search for what it names first")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
+  return plugin;
+}
+
 CLI::App& add_validate(CLI::App& app, Arguments& arguments) {
   CLI::App& validate = *app.add_subcommand(
       "validate", "Check scenes, all of their variants and everything that they name; run nothing");
@@ -119,6 +151,7 @@ int execute(int argc, char** argv) {
   arguments.run.command_line.assign(argv, argv + argc);
   const CLI::App& run = add_run(app, arguments);
   add_plugins(app, arguments);
+  const CLI::App& plugin = add_plugin(app, arguments);
   const CLI::App& validate = add_validate(app, arguments);
   const CLI::App& schema = add_schema(app, arguments);
   try {
@@ -135,6 +168,8 @@ int execute(int argc, char** argv) {
   }
   static ProgressBar bar;  // the logger, which outlives this function, writes past it
   log_above(bar);
+  if (plugin.got_subcommand("new")) return new_plugin(arguments.new_plugin);
+  if (plugin.got_subcommand("check")) return check_plugin(arguments.contract);
   const auto registry = std::make_shared<const PluginRegistry>(arguments.plugin_folders);
   if (validate.parsed()) return validate_scenes(arguments.scenes, registry);
   if (schema.parsed()) return write_schemas(*registry, arguments.schema_folder);

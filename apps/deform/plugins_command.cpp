@@ -1,13 +1,14 @@
 #include "plugins_command.h"
 
 #include <algorithm>
-#include <array>
 #include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "deform/error.h"
+
+#include "table.h"
 
 namespace {
 using namespace deform;
@@ -28,7 +29,7 @@ void print_kind(const PluginRegistry& registry, PluginKind kind) {
   for (const PluginFile& file : registry.files()) width = std::max(width, file.name.size());
   fmt::print("{}\n", name_of(kind));
   for (const std::string& name : names) {
-    fmt::print("  {:<{}}  {}\n", name, width, summary_of(registry, kind, name));
+    app::print_wrapped(fmt::format("  {:<{}}  ", name, width), summary_of(registry, kind, name));
   }
 }
 
@@ -41,46 +42,36 @@ void print_folders(const PluginRegistry& registry) {
   }
 }
 
-using Row = std::array<std::string, 6>;
+using Rows = std::vector<std::vector<std::string>>;
 
-std::vector<Row> parameter_rows(const LoadedPlugin& plugin) {
-  std::vector<Row> rows{{"parameter", "type", "unit", "default", "range", "meaning"}};
-  for (const auto* fields : {&common_fields(plugin.file().kind), &plugin.fields()}) {
-    for (const ParameterField& field : *fields) {
-      const ParameterText text = describe(field);
-      rows.push_back({field.name, text.type, field.unit,
-                      field.required ? "required" : text.default_value, text.range, field.doc});
-    }
+/// The parameters of a plugin, the framework's own for its kind first.
+std::vector<ParameterField> all_fields(const LoadedPlugin& plugin) {
+  std::vector<ParameterField> fields = common_fields(plugin.file().kind);
+  fields.insert(fields.end(), plugin.fields().begin(), plugin.fields().end());
+  return fields;
+}
+
+Rows parameter_rows(const LoadedPlugin& plugin) {
+  Rows rows{{"parameter", "type", "unit", "default", "range", "meaning"}};
+  for (const ParameterField& field : all_fields(plugin)) {
+    const ParameterText text = describe(field);
+    rows.push_back({field.name, text.type, field.unit == "1" ? "" : field.unit,
+                    field.required ? "required" : text.default_value, text.range, field.doc});
   }
   return rows;
 }
 
-/// Characters of a UTF-8 text: its bytes that do not continue one.
-std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char byte) {
-    return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
-  }));
-}
-
-/// Columns side by side; the last one is as long as it is.
-void print_table(const std::vector<Row>& rows) {
-  std::array<std::size_t, std::tuple_size_v<Row>> widths{};
-  for (const Row& row : rows) {
-    for (std::size_t c = 0; c < row.size(); ++c) {
-      widths[c] = std::max(widths[c], width_of(row[c]));
-    }
+/// The least that a scene must say: {"plugin": "point_load", "force": [x, y, z], …}.
+std::string least_use(const LoadedPlugin& plugin) {
+  std::string text = fmt::format("{{ \"plugin\": \"{}\"", plugin.file().name);
+  for (const ParameterField& field : all_fields(plugin)) {
+    if (field.required) text += fmt::format(", \"{}\": {}", field.name, describe(field).type);
   }
-  for (const Row& row : rows) {
-    std::string line = " ";
-    for (std::size_t c = 0; c + 1 < row.size(); ++c) {
-      line += fmt::format(" {:<{}} ", row[c], widths[c]);
-    }
-    fmt::print("{} {}\n", line, row.back());
-  }
+  return text + " }";
 }
 
 void print_line(const char* label, const std::string& text) {
-  if (!text.empty()) fmt::print("  {:<8} {}\n", label, text);
+  if (!text.empty()) app::print_wrapped(fmt::format("  {:<8} ", label), text);
 }
 
 void print_one(const LoadedPlugin& plugin) {
@@ -91,12 +82,13 @@ void print_one(const LoadedPlugin& plugin) {
   print_line("formula", text.formula);
   print_line("source", text.source);
   print_line("file", file.path.string());
-  const auto rows = parameter_rows(plugin);
+  print_line("scene", least_use(plugin));
+  const Rows rows = parameter_rows(plugin);
   if (rows.size() == 1) {
     fmt::print("\n  no parameters\n");
   } else {
     fmt::print("\n");
-    print_table(rows);
+    app::print_table(rows);
   }
 }
 

@@ -32,7 +32,10 @@ class EigenLu final : public LinearSolver {
   }
 
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) override {
-    if (b.rows() > 0) x = lu_.solve(b);
+    if (b.rows() == 0) return;
+    solution_ = lu_.solve(
+        b);  // not into x: SparseLU takes its columns for contiguous, which a Ref's need not be
+    x = solution_;
   }
 
  private:
@@ -54,6 +57,7 @@ class EigenLu final : public LinearSolver {
                                           a.row_begin.data(), a.column.data(), a.value.data()));
   }
 
+  Eigen::MatrixXd solution_;
   Eigen::SparseLU<Columns, Eigen::COLAMDOrdering<std::int32_t>> lu_;
 };
 

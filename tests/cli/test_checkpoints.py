@@ -184,7 +184,7 @@ class Refused(Checkpoints):
     def setUp(self):
         super().setUp()
         self.path = self.write(scene(duration=0.2))
-        self.run_scene(scene(duration=0.16))  # 8 of the 10 steps
+        self.run_scene(scene(duration=0.2), "--set", "/duration=0.16")  # 8 of the 10 steps
         self.file = self.out / "checkpoint.bin"
         self.good = self.file.read_bytes()
 
@@ -278,7 +278,7 @@ class FullDisk(Checkpoints):
         self.assert_same_results(expected)
 
     def test_output_that_cannot_be_written(self):
-        path = self.write(scene())
+        path = self.write(scene(checkpoint={"seconds": 0}))
         expected = self.run_whole(path)
         result = self.run_limited(0.01, path, "--out", self.out)
         self.assertEqual(result.returncode, 1, result.stderr)

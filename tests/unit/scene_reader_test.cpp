@@ -364,7 +364,7 @@ TEST(SceneValues, RejectsNumbersAndFlags) {
   EXPECT_EQ(complaint("counts", "[2, 1]"), "counts/1: found 1, expected whole number >= 2");
   EXPECT_THAT(complaint("both", "[true]"), HasSubstr("expected true, false or two of them"));
   EXPECT_THAT(complaint("flags", "[1]"), HasSubstr("flags/0: found 1, expected true or false"));
-  EXPECT_THAT(complaint("texts", "[\"w\"]"), HasSubstr("texts/0: found \"w\", expected one of"));
+  EXPECT_THAT(complaint("texts", "[\"w\"]"), HasSubstr("texts/0: found \"w\", expected list of texts, one of"));
   EXPECT_THAT(complaint("places", "[[1, 2]]"), HasSubstr("places/0: found [1,2]"));
   EXPECT_THAT(complaint("file", "1"), HasSubstr("file: found 1, expected file name"));
 }

@@ -61,8 +61,8 @@ TEST(Reduction, LeavesFreeNodes) {
   EXPECT_FALSE(reduction.prescribed(1, 0));
   EXPECT_EQ(reduction.free_nodes(2), (std::vector<Index>{0, 2}));
   EXPECT_EQ(reduction.free_nodes(0), (std::vector<Index>{0, 1, 2}));
-  EXPECT_THROW(reduction.prescribe(3, 0), std::out_of_range);
-  EXPECT_THROW(reduction.prescribe(0, 3), std::out_of_range);
+  EXPECT_THROW(reduction.prescribe(3, 0), Error);
+  EXPECT_THROW(reduction.prescribe(0, 3), Error);
 }
 
 TEST(Setup, ResolvesFilesFromItsFolder) {

@@ -80,12 +80,17 @@ class FieldSchema {
     const Json point = list(type("number"), 2);
     Json radius = type("number");
     radius["minimum"] = 0;
-    const Json names = any_of({type("string"), list(type("string"))});
+    const auto one_or_several = [](const Json& one) {
+      Json several = list(one);
+      several["minItems"] = 1;
+      return any_of({one, several});
+    };
+    const Json names = one_or_several(type("string"));
     Json node = type("integer");
     node["minimum"] = 0;
     return any_of({object({{"centre", point}, {"radius", radius}}),
                    object({{"box", list(point, 2)}}), object({{"boundary", names}}),
-                   object({{"corners", names}}), object({{"node", any_of({node, list(node)})}})});
+                   object({{"corners", names}}), object({{"node", one_or_several(node)}})});
   }
 
   template <class Number>
@@ -123,10 +128,7 @@ Json field_schema(const ParameterField& field, const PluginSchema& plugin_schema
 
 Json fields_schema(const std::vector<const ParameterFields*>& parts,
                    const PluginSchema& plugin_schema) {
-  Json schema{{"type", "object"},
-              {"required", Json::array()},
-              {"properties", Json::object()},
-              {"additionalProperties", false}};
+  Json schema{{"type", "object"}, {"properties", Json::object()}, {"additionalProperties", false}};
   for (const ParameterFields* fields : parts) {
     for (const ParameterField& field : *fields) {
       schema["properties"][field.name] = field_schema(field, plugin_schema);

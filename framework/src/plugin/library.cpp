@@ -148,14 +148,14 @@ bool is_of_kind(const Plugin* object, PluginKind kind) {
   return false;
 }
 
+}  // namespace
+
 bool is_plugin_name(std::string_view name) {
   const auto is_letter = [](char c) { return c >= 'a' && c <= 'z'; };
   return !name.empty() && is_letter(name.front()) &&
          std::all_of(name.begin(), name.end(),
                      [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; });
 }
-
-}  // namespace
 
 std::optional<PluginFile> plugin_file(const std::filesystem::path& path) {
   const std::string stem = path.stem().string();

@@ -58,9 +58,10 @@ std::string type_text(const ParameterValue& value) {
 
 std::string expectation(const ParameterField& field, const std::string& type) {
   const std::string range = range_text(field);
-  std::string text = !field.choices.empty() ? "one of " + range
-                     : range.empty()        ? type
-                                            : type + ' ' + range;
+  const bool is_list = type.starts_with("list");
+  std::string text = range.empty()           ? type
+                     : field.choices.empty() ? type + ' ' + range
+                                             : (is_list ? type + ", " : "") + "one of " + range;
   const bool has_unit = !field.unit.empty() && field.unit != "1";
   return has_unit ? text + " [" + field.unit + "]" : text;
 }

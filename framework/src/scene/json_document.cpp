@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "scene/json_pointer.h"
+
 namespace deform {
 namespace {
 
@@ -144,7 +146,7 @@ class Reader {
 
   Json document() {
     if (text_.size() > JsonDocument::kMaxBytes) {
-      reject(0, "the text must not be larger than 64 MiB");
+      reject(0, "the text must not be larger than 16 MiB");
     }
     check_encoding();
     if (text_.starts_with(kByteOrderMark)) at_ = kByteOrderMark.size();
@@ -499,6 +501,13 @@ class Reader {
   std::size_t at_ = 0;
 };
 
+/// Whether a step of a JSON pointer is the index i, which has no leading zeros.
+bool is_index(const std::string& step, std::size_t i) {
+  char digits[24];
+  const char* const end = std::to_chars(std::begin(digits), std::end(digits), i).ptr;
+  return step == std::string_view(digits, static_cast<std::size_t>(end - digits));
+}
+
 /// The bytes of a file, or what kept them from being read. Of a file that is too large, enough is
 /// returned to see that.
 std::string file_text(const std::filesystem::path& file, std::string& trouble) {
@@ -560,25 +569,20 @@ JsonDocument JsonDocument::read(const std::filesystem::path& file) {
 }
 
 const JsonDocument::Node* JsonDocument::find(std::string_view pointer) const {
-  if (nodes_.empty()) return nullptr;
+  const auto steps = pointer_steps(pointer);
+  if (!steps || nodes_.empty()) return nullptr;
   const Json* value = &root_;
   std::size_t node = 0;
-  while (!pointer.empty()) {
-    const Json* child = nullptr;
+  for (const std::string& step : *steps) {
+    if (!value->is_structured()) return nullptr;
     std::size_t child_node = node + 1;
-    for (auto item = value->begin(); value->is_structured() && item != value->end(); ++item) {
-      const std::string step = value->is_object() ? pointer_step(item.key())
-                                                  : '/' + std::to_string(item - value->begin());
-      const std::string_view rest = pointer.substr(std::min(step.size(), pointer.size()));
-      if (pointer.starts_with(step) && (rest.empty() || rest.front() == '/')) {
-        child = &*item;
-        pointer = rest;
-        break;
-      }
+    auto child = value->begin();
+    for (std::size_t i = 0; child != value->end(); ++child, ++i) {
+      if (value->is_object() ? child.key() == step : is_index(step, i)) break;
       child_node = nodes_[child_node].next;
     }
-    if (child == nullptr) return nullptr;
-    value = child;
+    if (child == value->end()) return nullptr;
+    value = &*child;
     node = child_node;
   }
   return &nodes_[node];

@@ -34,12 +34,12 @@ struct JsonProblem {
 /// A JSON text together with where each of its values stands.
 ///
 /// Accepts strict JSON (RFC 8259) in UTF-8, plus `//` comments and a leading byte order mark. The
-/// text may have 64 MiB, 64 nested levels and keys of 1024 bytes; keys are unique in their object,
+/// text may have 16 MiB, 64 nested levels and keys of 1024 bytes; keys are unique in their object,
 /// and a string holds no U+0000, which would cut it short in C interfaces. Integers that fit int64
 /// stay exact, larger ones become doubles; a number no double can hold is a problem.
 class JsonDocument {
  public:
-  static constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
+  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20U;
   static constexpr std::size_t kMaxDepth = 64;
   static constexpr std::size_t kMaxKeyBytes = 1024;
   static constexpr std::size_t kMaxProblems = 100;

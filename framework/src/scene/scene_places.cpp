@@ -18,6 +18,13 @@ ScenePlace ScenePlaces::of_value(const std::string& pointer) const {
   return of(pointer, &JsonDocument::position);
 }
 
+ScenePlace ScenePlaces::of_change(const std::string& pointer) const {
+  const auto change = std::find_if(origins_.rbegin(), origins_.rend(),
+                                   [&](const Origin& o) { return is_within(o.pointer, pointer); });
+  const bool is_one = change != origins_.rend() && !pointer.empty();
+  return of_value(is_one ? change->pointer : pointer);
+}
+
 ScenePlace ScenePlaces::of_key(const std::string& pointer) const {
   return of(pointer, &JsonDocument::key_position);
 }

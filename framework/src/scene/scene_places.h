@@ -28,6 +28,8 @@ class ScenePlaces {
   /// The place of the value at a pointer into the scene; of what is not written anywhere, that of
   /// what it belongs to.
   [[nodiscard]] ScenePlace of_value(const std::string& pointer) const;
+  /// The place of what makes a value what it is now: the last change within it, where there is one.
+  [[nodiscard]] ScenePlace of_change(const std::string& pointer) const;
   /// The place of the key of an object's member.
   [[nodiscard]] ScenePlace of_key(const std::string& pointer) const;
 

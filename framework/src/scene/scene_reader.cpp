@@ -223,7 +223,7 @@ class SceneDocument {
     scene.variant = variant;
     for (const auto& [name, changes] : variants_) scene.variants.push_back(name);
     scene.place = [document = shared_document_, places = problems.places()](
-                      const std::string& pointer) { return places.of_value(pointer).source; };
+                      const std::string& pointer) { return places.of_change(pointer).source; };
     return reading;
   }
 

@@ -4,12 +4,16 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "deform/export.h"
 #include "deform/plugin/descriptor.h"
 
 namespace deform {
+
+/// [a-z][a-z0-9_]*
+[[nodiscard]] DEFORM_API bool is_plugin_name(std::string_view name);
 
 /// A library found in a search folder; its file name `KIND-NAME.so` says what it holds.
 struct PluginFile {

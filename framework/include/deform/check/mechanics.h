@@ -1,0 +1,34 @@
+/// The mathematics that an energy term is checked by.
+#pragma once
+
+#include <cstddef>
+
+#include "deform/export.h"
+#include "deform/solve/system.h"
+
+namespace deform {
+
+/// A state with a smooth and a small random disturbance of the positions `rest` (N × 3), its relative
+/// size about `strain`; the same for the same arguments.
+[[nodiscard]] DEFORM_API State disturbed(const NodeVectors& rest, double strain);
+
+/// |f + ∇E| / |f| of one term: its force against fourth-order differences of its energy.
+[[nodiscard]] DEFORM_API double gradient_error(System& system, std::size_t term, State state);
+
+/// |f − (c − K r)| / |f| of one term's lagged operator, at the state that it is lagged at.
+[[nodiscard]] DEFORM_API double lagged_error(System& system, std::size_t term, const State& state);
+
+/// |Σ f| / Σ |f| and |Σ r×f| / Σ |r||f| about the centroid; 0 where there is no force.
+struct Momenta {
+  double force = 0, torque = 0;
+};
+[[nodiscard]] DEFORM_API Momenta momenta(const NodeVectors& force, const NodeVectors& r);
+
+/// |K − Kᵀ| / |K|.
+[[nodiscard]] DEFORM_API double asymmetry(const SparseMatrix& k);
+
+/// −(smallest eigenvalue) / (largest) of the symmetric part: at most rounding where K is
+/// semidefinite. Dense: for small matrices.
+[[nodiscard]] DEFORM_API double indefiniteness(const SparseMatrix& k);
+
+}  // namespace deform

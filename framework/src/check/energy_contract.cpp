@@ -1,0 +1,226 @@
+/// Energy terms: gradients, lagged operators, momenta, blocks.
+#include <cmath>
+#include <memory>
+
+#include "deform/check/mechanics.h"
+
+#include "check/bitwise.h"
+#include "check/contracts.h"
+
+namespace deform {
+namespace {
+
+constexpr double kStrain = 0.05;
+
+std::vector<double> numbers_of(const NodeVectors& v) { return {v.data(), v.data() + v.size()}; }
+
+/// A term on jets with the geometry of one state, evaluated block by block without the framework's
+/// assembly.
+class JetBench {
+ public:
+  JetBench(const JetTerm& term, const Surface& surface, const NodeVectors& r)
+      : term_(term), traits_(term.traits()), samples_(surface.samples(term.role())) {
+    for (Geometry* g : {&now_, &rest_}) *g = Geometry(samples_);
+    now_.compute(samples_, r);
+    rest_.compute(samples_, surface.rest());
+    make_auxiliary();
+  }
+
+  Evaluated evaluate(Index block_size, double prefill) const {
+    Evaluated all;
+    for (Index first = 0; first < samples_.size(); first += block_size) {
+      const Index size = std::min(block_size, samples_.size() - first);
+      const SampleBlock block = block_at(first, size);
+      GuardedRoom density(size, prefill);
+      term_.energy_density(block, density.values());
+      take(density, all);
+      evaluate_stress(block, prefill, all);
+    }
+    return all;
+  }
+
+ private:
+  [[nodiscard]] SampleBlock block_at(Index first, Index size) const {
+    return {.now = now_.block(first, size),
+            .lagged = now_.block(first, size),
+            .rest = rest_.block(first, size),
+            .differences = samples_.field_differences(),
+            .auxiliary = views_};
+  }
+
+  void make_auxiliary() {
+    const auto m = static_cast<std::size_t>(samples_.size());
+    const auto fields = static_cast<std::size_t>(term_.auxiliary_fields());
+    auxiliary_.resize(fields * m);
+    std::vector<Values> out;
+    for (std::size_t f = 0; f < fields; ++f) out.emplace_back(auxiliary_.data() + f * m, m);
+    if (fields == 0) return;
+    for (Index first = 0; first < samples_.size(); first += kBlock) {
+      const Index size = std::min(kBlock, samples_.size() - first);
+      std::vector<Values> part;
+      for (const Values& field : out)
+        part.push_back(field.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size)));
+      term_.auxiliary(block_at(first, size), part);
+    }
+    views_.assign(out.begin(), out.end());
+  }
+
+  void evaluate_stress(const SampleBlock& block, double prefill, Evaluated& all) const {
+    std::vector<GuardedRoom> rooms(3 * kChannels, GuardedRoom(block.size(), prefill));
+    AffineStress::ConstantTable constants;
+    for (std::size_t m = 0; m < constants.size(); ++m)
+      constants[m] = {rooms[3 * m].data(), rooms[3 * m + 1].data(), rooms[3 * m + 2].data()};
+    if (traits_.lagged == Lagged::none) {
+      term_.stress(block, Stress{constants});
+    } else {
+      std::vector<Coupling> couplings = term_.couplings();
+      const std::size_t first_k = rooms.size();
+      rooms.resize(first_k + couplings.size(), GuardedRoom(block.size(), prefill));
+      AffineStress::CouplingTable table{};
+      for (std::size_t m = 0; m < constants.size(); ++m)
+        constants[m] = {rooms[3 * m].data(), rooms[3 * m + 1].data(), rooms[3 * m + 2].data()};
+      for (std::size_t c = 0; c < couplings.size(); ++c)
+        table[static_cast<std::size_t>(slot(couplings[c].first))]
+             [static_cast<std::size_t>(slot(couplings[c].second))] = rooms[first_k + c].data();
+      term_.affine_stress(block, AffineStress(table, constants, block.size()));
+    }
+    for (GuardedRoom& room : rooms) take(room, all);
+  }
+
+  static void take(GuardedRoom& room, Evaluated& all) {
+    const Values values = room.values();
+    all.numbers.insert(all.numbers.end(), values.begin(), values.end());
+    all.margins_intact = all.margins_intact && room.margins_intact();
+  }
+
+  const JetTerm& term_;
+  TermTraits traits_;
+  const SampleSet& samples_;
+  Geometry now_, rest_;
+  std::vector<double> auxiliary_;
+  std::vector<ConstValues> views_;
+};
+
+/// The same numbers in another order of blocks: what differs between block sizes must not be the
+/// order in which blocks are written one after another.
+Evaluate in_sample_order(const std::shared_ptr<JetBench>& bench, Index samples) {
+  return [bench, samples](Index block, double prefill) {
+    Evaluated cut = bench->evaluate(block, prefill);
+    const std::size_t arrays = cut.numbers.size() / static_cast<std::size_t>(samples);
+    std::vector<double> ordered(cut.numbers.size());
+    std::size_t from = 0;
+    for (Index first = 0; first < samples; first += block) {
+      const Index size = std::min(block, samples - first);
+      for (std::size_t a = 0; a < arrays; ++a)
+        for (Index s = 0; s < size; ++s)
+          ordered[a * static_cast<std::size_t>(samples) + static_cast<std::size_t>(first + s)] =
+              cut.numbers[from++];
+    }
+    cut.numbers = std::move(ordered);
+    return cut;
+  };
+}
+
+/// Energies, matrices and constants of all tuples, tuple by tuple.
+Evaluate tuple_evaluation(const TupleTerm& term, const NodeVectors& r) {
+  return [&term, &r](Index block, double prefill) {
+    Evaluated all;
+    const std::vector<std::int32_t>& nodes = term.tuples();
+    const Index w = term.width(), count = static_cast<Index>(nodes.size()) / w;
+    for (Index first = 0; first < count; first += block) {
+      const Index size = std::min(block, count - first);
+      const TupleBlock tuples{first, size, static_cast<int>(w), nodes.data() + first * w, &r, &r};
+      GuardedRoom energy(size, prefill), k(size * w * w, prefill);
+      std::vector<Vec3> c(static_cast<std::size_t>(size * w), Vec3::Constant(prefill));
+      term.energy(tuples, energy.values());
+      term.affine_force(tuples, k.values(), c);
+      for (Index t = 0; t < size; ++t) {
+        all.numbers.push_back(energy.data()[t]);
+        all.numbers.insert(all.numbers.end(), k.data() + t * w * w, k.data() + (t + 1) * w * w);
+        for (Index a = 0; a < w; ++a)
+          for (const double x : c[static_cast<std::size_t>(t * w + a)]) all.numbers.push_back(x);
+      }
+      all.margins_intact = all.margins_intact && energy.margins_intact() && k.margins_intact();
+    }
+    return all;
+  };
+}
+
+void check_blocks(const Subject& subject, const Terrain& terrain, Checks& checks) {
+  const Made<EnergyTerm> made = subject.make<EnergyTerm>(terrain);
+  const NodeVectors r = disturbed(made.surface->rest(), kStrain).r;
+  if (const auto* tuples = dynamic_cast<const TupleTerm*>(made.object.get())) {
+    check_evaluation(checks, tuple_evaluation(*tuples, r), true);
+  } else if (const auto* jets = dynamic_cast<const JetTerm*>(made.object.get())) {
+    const auto bench = std::make_shared<JetBench>(*jets, *made.surface, r);
+    check_evaluation(checks, in_sample_order(bench, made.surface->samples(jets->role()).size()),
+                     true);
+  } else {
+    checks.holds("is a JetTerm or a TupleTerm", false, "it is neither: no force comes of it");
+  }
+}
+
+void check_operator(System& system, const TermTraits& traits, const State& state, Checks& checks) {
+  if (traits.lagged == Lagged::none) return;
+  checks.below("lagged operator: f = c − K r where it is lagged", lagged_error(system, 0, state),
+               1e-10);
+  const SparseMatrix k = system.lagged_force(0, state).k;
+  if (traits.lagged == Lagged::symmetric)
+    checks.below("lagged operator: symmetric, as promised", asymmetry(k), 1e-12);
+  if (traits.semidefinite)
+    checks.below("lagged operator: semidefinite, as promised", indefiniteness(k), 1e-12);
+}
+
+/// Energy and force of the rest state turned and moved, against those of the disturbed one.
+void report_rigid_motion(System& system, const State& state, Checks& checks) {
+  State moved{system.rest(), NodeVectors::Zero(system.nodes(), 3), 0};
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(1.1, Vec3(1, -2, 0.7).normalized()).toRotationMatrix();
+  moved.r = (moved.r * turn.transpose()).eval().rowwise() + Eigen::RowVector3d(3, -1, 2);
+  const double scale = system.internal_force(0, state).norm();
+  const double force = system.internal_force(0, moved).norm();
+  checks.report("force after a rigid motion of the rest state, relative",
+                scale > 0 ? force / scale : force);
+}
+
+void check_mechanics(const Subject& subject, const Terrain& terrain, Checks& checks) {
+  Simulation simulation = subject.simulation(terrain);
+  System& system = simulation.system();
+  const TermTraits traits = system.energies().front().object->traits();
+  const State state = disturbed(system.rest(), kStrain);
+  const NodeVectors force = system.internal_force(0, state);
+  checks.holds("force is finite", force.allFinite(), "it is not");
+  checks.holds("energy is finite", std::isfinite(system.energy(0, state)), "it is not");
+  checks.holds("same force on any number of threads",
+               same_on_threads([&] { return numbers_of(system.internal_force(0, state)); }),
+               "one thread and several differ");
+  if (traits.potential && terrain.one_frame)
+    checks.below("force = −gradient of the energy, as promised", gradient_error(system, 0, state),
+                 1e-6);
+  else if (!traits.potential)
+    checks.report("force against −gradient of the energy, relative",
+                  gradient_error(system, 0, state));
+  check_operator(system, traits, state, checks);
+  const Momenta sums = momenta(force, state.r);
+  checks.report("|Σ f| / Σ |f|: momentum", sums.force);
+  checks.report("|Σ r×f| / Σ |r||f|: angular momentum", sums.torque);
+  report_rigid_motion(system, state, checks);
+}
+
+}  // namespace
+
+void check_energy_contract(const Subject& subject, Checks& checks) {
+  for (const Terrain& terrain : terrains(17, 13)) {  // more than one block
+    checks.at(terrain.name);
+    checks.runs("computes forces and energies", [&] { check_blocks(subject, terrain, checks); });
+  }
+  if (checks.has_failed(kWritesWithin)) return;
+  for (const Terrain& terrain : terrains(9, 7)) {
+    checks.at(terrain.name);
+    checks.runs("computes forces and energies",
+                [&] { check_mechanics(subject, terrain, checks); });
+  }
+  check_run(subject, checks);
+}
+
+}  // namespace deform

@@ -1,0 +1,92 @@
+#include "deform/check/mechanics.h"
+
+#include <cmath>
+#include <random>
+
+#include <Eigen/Eigenvalues>
+
+namespace deform {
+namespace {
+
+Eigen::MatrixXd dense(const SparseMatrix& k) {
+  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(k.size, k.size);
+  for (Index a = 0; a < k.size; ++a) {
+    const auto row = static_cast<std::size_t>(a);
+    for (auto p = static_cast<std::size_t>(k.row_begin[row]);
+         p < static_cast<std::size_t>(k.row_begin[row + 1]); ++p)
+      full(a, k.column[p]) = k.value[p];
+  }
+  return full;
+}
+
+double ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
+
+}  // namespace
+
+State disturbed(const NodeVectors& rest, double strain) {
+  State state{rest, NodeVectors::Zero(rest.rows(), 3), 0};
+  std::mt19937 random(12345);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (Index a = 0; a < state.r.rows(); ++a) {
+    const Vec3 r = state.r.row(a);
+    const Vec3 smooth(0.3 * std::sin(2 * r.y()), 0.2 * std::cos(3 * r.x()),
+                      std::sin(3 * r.x() + r.y()));
+    for (int c = 0; c < 3; ++c) state.r(a, c) += strain * (smooth[c] + 0.02 * uniform(random));
+  }
+  return state;
+}
+
+double gradient_error(System& system, std::size_t term, State state) {
+  constexpr double h = 1e-5;
+  const NodeVectors force = system.internal_force(term, state);
+  NodeVectors difference(force.rows(), 3);
+  for (Index a = 0; a < force.rows(); ++a)
+    for (int c = 0; c < 3; ++c) {
+      const double r = state.r(a, c);
+      const auto energy_at = [&](double x) {
+        state.r(a, c) = x;
+        return system.energy(term, state);
+      };
+      difference(a, c) = -(8 * (energy_at(r + h) - energy_at(r - h)) -
+                           (energy_at(r + 2 * h) - energy_at(r - 2 * h))) /
+                         (12 * h);
+      state.r(a, c) = r;
+    }
+  return ratio((force - difference).norm(), force.norm());
+}
+
+double lagged_error(System& system, std::size_t term, const State& state) {
+  const NodeVectors force = system.internal_force(term, state);
+  const auto [k, c] = system.lagged_force(term, state);
+  return ratio((force - (c - dense(k) * state.r)).norm(), force.norm());
+}
+
+Momenta momenta(const NodeVectors& force, const NodeVectors& r) {
+  const Vec3 centre = r.colwise().mean();
+  Vec3 sum = Vec3::Zero(), torque = Vec3::Zero();
+  double force_scale = 0, torque_scale = 0;
+  for (Index a = 0; a < force.rows(); ++a) {
+    const Vec3 f = force.row(a), arm = Vec3(r.row(a)) - centre;
+    sum += f;
+    torque += arm.cross(f);
+    force_scale += f.norm();
+    torque_scale += arm.norm() * f.norm();
+  }
+  return {ratio(sum.norm(), force_scale), ratio(torque.norm(), torque_scale)};
+}
+
+double asymmetry(const SparseMatrix& k) {
+  const Eigen::MatrixXd full = dense(k);
+  return ratio((full - full.transpose()).norm(), full.norm());
+}
+
+double indefiniteness(const SparseMatrix& k) {
+  const Eigen::MatrixXd full = dense(k);
+  const Eigen::MatrixXd symmetric = 0.5 * (full + full.transpose());
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+  const double largest = values.cwiseAbs().maxCoeff();
+  return ratio(-values.minCoeff(), largest);
+}
+
+}  // namespace deform

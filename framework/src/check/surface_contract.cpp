@@ -1,0 +1,97 @@
+/// Surfaces and shapes. That sizes and numbers fit together is checked whenever a surface is made.
+#include <cmath>
+
+#include "deform/surface/shape.h"
+
+#include "check/bitwise.h"
+#include "check/contracts.h"
+
+namespace deform {
+namespace {
+
+/// Largest error of the operators at the samples, for positions (f(a1, a2), 0, 0).
+template <class Function>
+double operator_error(const Surface& surface, const SampleSet& samples, const Function& f,
+                      Derivative d, double expected) {
+  const auto& a = surface.parameters();
+  NodeVectors v = NodeVectors::Zero(a.rows(), 3);
+  for (Index i = 0; i < a.rows(); ++i) v(i, 0) = f(a(i, 0), a(i, 1));
+  const NodeVectors result = samples.apply(d, v);
+  double worst = 0;
+  for (Index s = 0; s < samples.size(); ++s) {
+    if (samples.computable(d, s)) worst = std::max(worst, std::abs(result(s, 0) - expected));
+  }
+  return worst;
+}
+
+void check_operators(const Surface& surface, SampleRole role, Checks& checks) {
+  const SampleSet& samples = surface.samples(role);
+  const auto one = [](double, double) { return 1.0; };
+  const auto a1 = [](double x, double) { return x; };
+  const auto a2 = [](double, double y) { return y; };
+  checks.below("operators: derivatives of a constant are 0",
+               std::max({operator_error(surface, samples, one, Derivative::d1, 0),
+                         operator_error(surface, samples, one, Derivative::d11, 0),
+                         operator_error(surface, samples, one, Derivative::d12, 0),
+                         operator_error(surface, samples, one, Derivative::d22, 0)}),
+               1e-8);
+  if (surface.period() != Vec2::Zero()) return;  // a1 and a2 jump where sides are joined
+  checks.below("operators: first derivatives of a1 and a2 are exact",
+               std::max({operator_error(surface, samples, a1, Derivative::d1, 1),
+                         operator_error(surface, samples, a1, Derivative::d2, 0),
+                         operator_error(surface, samples, a2, Derivative::d1, 0),
+                         operator_error(surface, samples, a2, Derivative::d2, 1)}),
+               1e-8);
+  const auto product = [](double x, double y) { return x * y; };
+  const auto square = [](double x, double) { return 0.5 * x * x; };
+  checks.report("operators: error in the second derivatives of quadratics",
+                std::max(operator_error(surface, samples, product, Derivative::d12, 1),
+                         operator_error(surface, samples, square, Derivative::d11, 1)),
+                "1/m");
+}
+
+void check_areas(const Surface& surface, Checks& checks) {
+  const double nodes = surface.areas().sum();
+  for (const SampleRole role : {SampleRole::membrane, SampleRole::bending}) {
+    double samples = 0;
+    for (const double weight : surface.samples(role).weights()) samples += weight;
+    checks.below("areas of samples and of nodes have one sum, relative",
+                 std::abs(samples - nodes) / nodes, 1e-9);
+  }
+}
+
+}  // namespace
+
+void check_surface_contract(const Subject& subject, Checks& checks) {
+  const Terrain anywhere = terrains(9, 7).front();
+  checks.runs("describes its nodes", [&] {
+    const auto surface = subject.make<Surface>(anywhere).object;
+    for (const SampleRole role : {SampleRole::membrane, SampleRole::bending})
+      check_operators(*surface, role, checks);
+    check_areas(*surface, checks);
+    checks.report("nodes", std::to_string(surface->nodes()));
+    const auto again = subject.make<Surface>(anywhere).object;
+    checks.holds("made again, it is the same", surface->initial() == again->initial(),
+                 "initial positions differ");
+  });
+  check_run(subject, checks);
+}
+
+void check_shape_contract(const Subject& subject, Checks& checks) {
+  for (const Terrain& terrain : {terrains(9, 7).front(), terrains(17, 13)[1]}) {
+    checks.at(terrain.name);
+    checks.runs("gives finite positions, one a node", [&] {
+      const auto made = subject.make<Shape>(terrain);
+      const auto& a = made.surface->parameters();
+      const Vec2 size(1.0, 0.8);
+      const NodeVectors r = made.object->positions(a, size);
+      checks.holds("same bits when asked again", r == made.object->positions(a, size),
+                   "the second answer differs from the first");
+      checks.report("extent along its largest side",
+                    (r.colwise().maxCoeff() - r.colwise().minCoeff()).maxCoeff(), "m");
+    });
+  }
+  check_run(subject, checks);
+}
+
+}  // namespace deform

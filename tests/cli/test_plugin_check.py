@@ -1,0 +1,168 @@
+"""`deform plugin check`: every built-in plugin keeps its promises, and one that breaks any is found out."""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = os.environ["DEFORM_PROGRAM"]
+FIXTURES = Path(os.environ["DEFORM_FIXTURE_PLUGINS"])
+BUILT_IN = Path(PROGRAM).parent.parent / "lib" / "deform" / "plugins"
+TIMEOUT = 300
+
+FAILED = 5
+
+LEFT = {"boundary": "left"}
+# What a scene must say of those plugins that have required parameters, and further ways to use others.
+PARAMETERS = {
+    "shape/arc": [{"radius": 0.5}, {"radius": 0.4, "along": 2, "side": -1}],
+    "shape/sphere_patch": [{"radius": 1.5}],
+    "surface/grid": [
+        {"nodes": [9, 7]}, {"nodes": [9, 7], "differences": "forward", "border": "paper",
+                            "weights": "equal"},
+        {"nodes": [24, 7], "periodic": [True, False], "rest": {"plugin": "arc",
+                                                               "radius": 0.15915494309189535}}],
+    "normal/gauss": [{"delta": 0}, {"delta": 0.5}, {"delta": "infinity"}],
+    "energy/bending": [{"xi": 1e-4, "form": form, "normal": normal}
+                       for form in ("divergence", "expanded")
+                       for normal in ({"plugin": "exact"}, {"plugin": "terzopoulos"},
+                                      {"plugin": "gauss", "delta": 0})],
+    "energy/edge_springs": [{}, {"diagonals": False}],
+    "force/point_load": [{"force": [0, 0, -1], "where": LEFT}],
+    "force/spring": [{"anchor": [0.5, 0.4, 0.3], "where": LEFT},
+                     {"anchor": [0.5, 0.4, 0.3], "where": LEFT, "rest_length": 0.2}],
+    "force/gravity": [{}, {"time": {"ramp": [0, 1]}}],
+    "constraint/pin": [{"where": LEFT}, {"where": LEFT, "components": ["z"]}],
+    "constraint/move": [{"where": LEFT, "times": [0, 1], "displacements": [[0, 0, 0], [0, 0, 0.1]]}],
+}
+
+
+def parameters_of(library, folder):
+    plugin = library.stem.replace("-", "/", 1)
+    if plugin == "shape/file":  # is checked with grids of 9 × 7 nodes and of 17 × 13
+        return []
+    return PARAMETERS.get(plugin, [{}])
+
+
+class PluginCheck(unittest.TestCase):
+    def check(self, library, parameters=None, code=0):
+        arguments = [PROGRAM, "plugin", "check", str(library)]
+        if parameters is not None:
+            arguments += ["--parameters", json.dumps(parameters)]
+        result = subprocess.run(arguments, text=True, capture_output=True, timeout=TIMEOUT)
+        self.assertEqual(result.returncode, code, result.stdout + result.stderr)
+        return result.stdout + result.stderr
+
+    def test_every_built_in_plugin_keeps_its_promises(self):
+        libraries = sorted(BUILT_IN.glob("*.so"))
+        self.assertGreater(len(libraries), 30)
+        with tempfile.TemporaryDirectory() as folder:
+            for library in libraries:
+                for parameters in parameters_of(library, folder):
+                    with self.subTest(plugin=library.stem, parameters=parameters):
+                        found = self.check(library, parameters)
+                        self.assertIn(str(library), found)
+                        self.assertNotIn("FAILED", found)
+
+    def find_out(self, kind, about, *names, name="liar", key="about", **more):
+        with self.subTest(kind=kind, about=about):
+            found = self.check(FIXTURES / f"{kind}-{name}.so", {key: about, **more}, FAILED)
+            failed = [line.strip() for line in found.splitlines() if " FAILED" in line]
+            for expected in names:
+                self.assertTrue(any(line.startswith(expected) for line in failed), found)
+
+    def test_who_breaks_no_promise_passes(self):
+        for kind in ("energy", "normal", "force", "constraint", "integrator", "solver", "output",
+                     "probe", "shape"):
+            with self.subTest(kind=kind):
+                self.check(FIXTURES / f"{kind}-liar.so", {"about": "nothing"})
+
+    def test_energies(self):
+        self.find_out("energy", "gradient", "force = −gradient of the energy")
+        self.find_out("energy", "symmetry", "lagged operator: symmetric")
+        self.find_out("energy", "semidefinite", "lagged operator: semidefinite")
+        self.find_out("energy", "adding", "adds to what is there")
+        self.find_out("energy", "blocks", "same bits in blocks")
+        self.find_out("energy", "writing", "writes nothing beyond a block")
+        self.find_out("energy", "finite", "gives finite numbers")
+        self.find_out("energy", "sharing", "same bits when asked again", "same bits on several")
+
+    def test_normals(self):
+        self.find_out("normal", "dependence", "writes only what dependence() allows")
+        self.find_out("normal", "blocks", "same bits in blocks")
+        self.find_out("normal", "sharing", "same bits when asked again", "same bits on several")
+        self.find_out("normal", "branches", "names a branch for every sample")
+        self.find_out("normal", "finite", "gives finite numbers")
+
+    def test_forces(self):
+        self.find_out("force", "potential", "force = −gradient of the potential")
+        self.find_out("force", "stiffness", "−∂f/∂r")
+        self.find_out("force", "drag", "−∂f/∂v")
+        self.find_out("force", "adding", "adds to what is there")
+        self.find_out("force", "neighbours", "a node's force depends on that node alone",
+                      "same bits in blocks")
+
+    def test_constraints(self):
+        self.find_out("constraint", "others", "writes no component that it did not reserve")
+        self.find_out("constraint", "time", "depends on time alone")
+
+    def test_integrators(self):
+        self.find_out("integrator", "time", "advances time by the step")
+        self.find_out("integrator", "constraints", "prescribed positions end where")
+        self.find_out("integrator", "rest", "without force nothing moves")
+        self.find_out("integrator", "memory", "saved and loaded half-way, the run is the same")
+
+    def test_solvers(self):
+        self.find_out("solver", "solution", "|A x − b| / |b|")
+        self.find_out("solver", "memory", "remembers nothing of earlier values")
+        self.find_out("solver", "regular", "factorises regular matrices")
+        self.find_out("solver", "use", "suits some matrices")
+
+    def test_recorders(self):
+        self.find_out("output", "place", "writes below the run's folder only")
+        self.find_out("output", "writing", "writes something")
+        self.find_out("output", "ending", "ends well without a frame")
+        self.find_out("probe", "columns", "has columns")
+        self.find_out("probe", "repetition", "same figures in another run")
+        self.find_out("probe", "memory", "saved, loaded and saved again")
+        self.find_out("probe", "finite", "measures")
+
+    def test_surfaces_and_shapes(self):
+        self.find_out("shape", "repetition", "same bits when asked again")
+        for about, name in (("operators", "operators: first derivatives"),
+                            ("area", "areas of samples and of nodes")):
+            self.find_out("surface", about, name, name="wrong_sizes", key="what")
+
+    def test_throwing_is_a_failed_check(self):
+        for kind in ("energy", "force", "normal", "integrator", "probe", "output", "constraint",
+                     "solver", "shape"):
+            with self.subTest(kind=kind):
+                found = self.check(FIXTURES / f"{kind}-throws.so", {"what": "own"}, FAILED)
+                self.assertIn("OwnException", found)
+
+    def test_what_does_not_load(self):
+        found = self.check(FIXTURES / "normal-broken_api.so", code=2)
+        self.assertIn("plugin API number", found)
+        found = self.check(FIXTURES / "normal-missing.so", code=2)
+        self.assertIn("no such file", found)
+        found = self.check(Path("/etc/hostname"), code=2)
+        self.assertIn("KIND-NAME.so", found)
+
+    def test_required_parameters_must_be_given(self):
+        found = self.check(BUILT_IN / "force-point_load.so", code=2)
+        self.assertIn("where", found)
+        self.assertIn("--parameters", found)
+        found = self.check(BUILT_IN / "normal-gauss.so", {"delta": -1}, code=2)
+        self.assertIn("delta", found)
+
+    def test_a_library_goes_before_an_installed_one_of_its_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Path(folder) / "normal-exact.so"
+            copy.write_bytes((BUILT_IN / "normal-exact.so").read_bytes())
+            self.assertIn(str(copy), self.check(copy))
+
+
+if __name__ == "__main__":
+    unittest.main()
