@@ -216,7 +216,10 @@ void Simulation::Impl::advance() {
     throw e.at_step(steps + 1, integrator.name);
   } catch (const Error& e) {
     if (e.code() != ExitCode::diverged) throw;
-    throw Diverged(e.what(), steps + 1, -1, "linear solve");  // the System knows no steps
+    // The System knows no steps. No solver could: the largest force is what spoiled the matrix.
+    Index node = 0;
+    system->force().rowwise().squaredNorm().maxCoeff(&node);
+    throw Diverged(e.what(), steps + 1, node, guilty_term(node));
   }
 }
 
