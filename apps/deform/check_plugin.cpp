@@ -27,7 +27,8 @@ const char* text_of(CheckOutcome outcome) {
 int check_plugin(const ContractOptions& options) {
   const ContractReport report = check_contract(options);
   fmt::print("{}\n\n", report.plugin);
-  std::vector<std::vector<std::string>> rows{{"check", "figure", "limit", "result", "where worst, or why"}};
+  std::vector<std::vector<std::string>> rows{
+      {"check", "figure", "limit", "result", "where worst, or why"}};
   std::array<int, 3> counts{};
   for (const CheckLine& line : report.lines) {
     rows.push_back({line.name, line.figure, line.limit, text_of(line.outcome), line.note});

@@ -109,7 +109,9 @@ CLI::App& add_plugin(CLI::App& app, Arguments& arguments) {
       ->type_name("DIR");
 
   CLI::App& check = *plugin.add_subcommand("check", "Test what a plugin promises");
-  check.add_option("LIBRARY", arguments.contract.library, "KIND-NAME.so")->required()->type_name("");
+  check.add_option("LIBRARY", arguments.contract.library, "KIND-NAME.so")
+      ->required()
+      ->type_name("");
   check
       .add_option("--parameters", arguments.contract.parameters,
                   "JSON object of the parameters to check it with; those that are required must be "

@@ -39,7 +39,8 @@ std::string scene_text(const std::string& kind, const std::string& name) {
       {"title", fmt::format("\"{}/{}\"", kind, name)},
       {"surface", R"({ "plugin": "grid", "nodes": [21, 21], "size": [1.0, 1.0] })"},
       {"material", R"({ "density": 0.1, "damping": 1.0 })"},
-      {"energies", R"([ { "plugin": "stretching", "eta": 1.0 }, { "plugin": "bending_variational" } ])"},
+      {"energies",
+       R"([ { "plugin": "stretching", "eta": 1.0 }, { "plugin": "bending_variational" } ])"},
       {"forces", R"([ { "plugin": "gravity", "acceleration": [0, 0, -1] } ])"},
       {"constraints", R"([ { "plugin": "pin", "where": { "boundary": "left" } } ])"},
       {"integrator", R"({ "plugin": "semi_implicit", "step": 0.002 })"},
@@ -55,13 +56,21 @@ std::string scene_text(const std::string& kind, const std::string& name) {
   if (kind == "shape")
     put("surface", fmt::format(R"({{ "plugin": "grid", "nodes": [21, 21], "rest": {} }})", use));
   if (kind == "normal")
-    put("energies", fmt::format(R"([ {{ "plugin": "stretching", "eta": 1.0 }}, {{ "plugin": "bending", "normal": {} }} ])", use));
+    put("energies",
+        fmt::format(
+            R"([ {{ "plugin": "stretching", "eta": 1.0 }}, {{ "plugin": "bending", "normal": {} }} ])",
+            use));
   if (kind == "energy")
-    put("energies", fmt::format(R"([ {{ "plugin": "stretching", "eta": 1.0 }}, {{ "plugin": "bending_variational" }}, {} ])", use));
+    put("energies",
+        fmt::format(
+            R"([ {{ "plugin": "stretching", "eta": 1.0 }}, {{ "plugin": "bending_variational" }}, {} ])",
+            use));
   if (kind == "force")
-    put("forces", fmt::format(R"([ {{ "plugin": "gravity", "acceleration": [0, 0, -1] }}, {} ])", use));
+    put("forces",
+        fmt::format(R"([ {{ "plugin": "gravity", "acceleration": [0, 0, -1] }}, {} ])", use));
   if (kind == "constraint")
-    put("constraints", fmt::format(R"([ {{ "plugin": "{}", "where": {{ "boundary": "left" }} }} ])", name));
+    put("constraints",
+        fmt::format(R"([ {{ "plugin": "{}", "where": {{ "boundary": "left" }} }} ])", name));
   if (kind == "integrator")
     put("integrator", fmt::format(R"({{ "plugin": "{}", "step": 0.0005 }})", name));
   if (kind == "solver") put("solver", use);
@@ -92,9 +101,10 @@ void check(const NewPlugin& what, const fs::path& folder) {
                                  fmt::join(kPluginKinds, ", ")));
   }
   if (!is_plugin_name(what.name)) {
-    throw InputError(fmt::format("\"{}\" is no name for a plugin: it must begin with a letter a to "
-                                 "z and go on with these, digits and underscores",
-                                 what.name));
+    throw InputError(
+        fmt::format("\"{}\" is no name for a plugin: it must begin with a letter a to "
+                    "z and go on with these, digits and underscores",
+                    what.name));
   }
   if (fs::exists(fs::symlink_status(folder))) {
     throw InputError(fmt::format("{} exists: name another folder with --out", folder.string()));

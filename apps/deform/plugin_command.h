@@ -17,8 +17,8 @@ struct NewPlugin {
 /// throws InputError for a bad kind or name, or a folder that exists, before anything is written.
 int new_plugin(const NewPlugin& what);
 
-/// Tests a plugin's contract and prints a table of what was found. Returns 0 when all passed, 5 when
-/// a check failed; throws InputError when the library does not load.
+/// Tests a plugin's contract and prints a table of what was found. Returns 0 when all passed, 5
+/// when a check failed; throws InputError when the library does not load.
 int check_plugin(const ContractOptions& options);
 
 }  // namespace deform::app

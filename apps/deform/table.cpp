@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <sstream>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 
 namespace deform::app {
 namespace {

@@ -7,12 +7,12 @@
 namespace deform::app {
 
 /// Prints columns side by side, each as wide as its widest text (UTF-8, a column a character), the
-/// last one wrapped on a terminal; the first row is the heading. Columns that are empty in all other rows
-/// are left out.
+/// last one wrapped on a terminal; the first row is the heading. Columns that are empty in all
+/// other rows are left out.
 void print_table(const std::vector<std::vector<std::string>>& rows);
 
-/// Prints a text behind its front; on a terminal, what does not fit goes on below, indented as far as
-/// the front is wide.
+/// Prints a text behind its front; on a terminal, what does not fit goes on below, indented as far
+/// as the front is wide.
 void print_wrapped(const std::string& front, const std::string& text);
 
 }  // namespace deform::app

@@ -12,7 +12,7 @@ namespace deform::app {
 /// Checks scenes with all of their variants and everything that they name; runs nothing and writes
 /// no file. Prints "FILE: ok (N variants)", or all problems of the file to stderr. Returns the
 /// largest exit code of any of them.
-[[nodiscard]] int validate_scenes(const std::vector<std::filesystem::path>& scenes,
+[[nodiscard]] int validate_scenes(const std::vector<std::filesystem::path>& files,
                                   const std::shared_ptr<const PluginRegistry>& registry);
 
 }  // namespace deform::app

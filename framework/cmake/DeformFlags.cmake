@@ -20,7 +20,7 @@ endif()
 add_library(deform_warnings INTERFACE)
 target_compile_options(deform_warnings INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
-  -Woverloaded-virtual -Wcast-align=strict -Wdouble-promotion
+  -Woverloaded-virtual $<$<CXX_COMPILER_ID:GNU>:-Wcast-align=strict> -Wdouble-promotion
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>  # false alarms of g++ 12 in std::string
   $<$<CXX_COMPILER_ID:GNU>:-Wno-missing-field-initializers>
   $<$<BOOL:${DEFORM_WERROR}>:-Werror>)

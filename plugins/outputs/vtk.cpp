@@ -61,6 +61,8 @@ class Collection {
   void load(const Memory& memory) {
     const auto found = memory.entries().find(stem_ + ".steps");
     if (found == memory.entries().end()) return;
+    for (const double step : found->second)
+      if (!(step >= 0 && step < 1e15)) throw InputError("a number of steps in it is none");
     steps_ = found->second;
     times_ = memory.get(stem_ + ".times", steps_.size());
   }

@@ -216,7 +216,7 @@ class Failing(BrokenPlugins):
                 "mass": "areas() has 0, expected a positive area",
                 "rest": "rest() has 3 rows, expected 4",
                 "initial": "initial() has 5 rows, expected 4",
-                "finite": "initial() has a value that is not finite",
+                "finite": "initial() of node 2 is not finite",
                 "faces": "faces().begin must ascend from 0 to the 4 entries",
                 "corners": "faces() names node 4, expected 0 to 3",
                 "samples": "samples(bending) was built for 5 nodes, expected 4",

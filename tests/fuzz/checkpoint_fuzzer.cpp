@@ -1,6 +1,7 @@
 /// Checkpoints of any bytes are taken, or refused with an InputError; nothing else. The input is
 /// tried as it is, and with a checksum that is right, which is what lets it through to the parser
 /// and to the objects that get their memories back.
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -67,6 +68,7 @@ void try_content(std::string_view content) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it so
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   spdlog::set_level(spdlog::level::off);
   const std::string_view content(reinterpret_cast<const char*>(data), size);

@@ -1,6 +1,7 @@
 /// Scenes of any bytes are read, or refused with an InputError that says why; nothing else. A scene
 /// that is read comes back from its completed text. A first line that starts with a slash is a
 /// replacement as from --set: /POINTER=VALUE.
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -34,6 +35,7 @@ std::vector<Replacement> take_replacement(std::string_view& text) {
 
 }  // namespace
 
+// NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it so
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const PluginRegistry registry({DEFORM_PLUGINS});
   spdlog::set_level(spdlog::level::off);

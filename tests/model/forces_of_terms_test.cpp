@@ -2,11 +2,10 @@
 /// of the lagged operator.
 #include <cmath>
 #include <cstdio>
-#include <numbers>
-#include <random>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+
+#include "deform/check/mechanics.h"
 
 #include "model/support/simulate.h"
 
@@ -48,18 +47,9 @@ const std::string kGauss = R"({"plugin": "gauss", "delta": 0})";
 const std::string kExact = R"({"plugin": "exact"})";
 const std::string kTerzopoulos = R"({"plugin": "terzopoulos"})";
 
-/// Rest state with a smooth and a random disturbance of relative size `strain`, reproducibly.
+/// The rest state of a simulation with a disturbance of relative size `strain`.
 State disturbed(Simulation& s, double strain) {
-  State state{s.system().rest(), NodeVectors::Zero(s.system().nodes(), 3), 0};
-  std::mt19937 random(12345);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  for (Index a = 0; a < state.r.rows(); ++a) {
-    const Vec3 r = state.r.row(a);
-    const Vec3 smooth(0.3 * std::sin(2 * r.y()), 0.2 * std::cos(3 * r.x()),
-                      std::sin(3 * r.x() + r.y()));
-    for (int c = 0; c < 3; ++c) state.r(a, c) += strain * (smooth[c] + 0.02 * uniform(random));
-  }
-  return state;
+  return deform::disturbed(s.system().rest(), strain);
 }
 
 std::string scientific(double x) {
@@ -77,23 +67,7 @@ class PotentialTest : public testing::TestWithParam<PotentialCase> {};
 TEST_P(PotentialTest, ForceIsMinusTheGradientOfTheEnergy) {
   const PotentialCase& p = GetParam();
   Simulation s = simulation_from_text(scene(p.energy, p.grid, p.rest));
-  State state = disturbed(s, 0.1);
-  const NodeVectors force = s.system().internal_force(0, state);
-  NodeVectors difference(force.rows(), 3);
-  for (Index a = 0; a < force.rows(); ++a)
-    for (int c = 0; c < 3; ++c) {
-      const double h = 1e-5, r = state.r(a, c);
-      // Fourth order: truncation is far below the tolerance.
-      const auto energy_at = [&](double x) {
-        state.r(a, c) = x;
-        return s.system().energy(0, state);
-      };
-      difference(a, c) = -(8 * (energy_at(r + h) - energy_at(r - h)) -
-                           (energy_at(r + 2 * h) - energy_at(r - 2 * h))) /
-                         (12 * h);
-      state.r(a, c) = r;
-    }
-  const double error = (force - difference).norm() / force.norm();
+  const double error = gradient_error(s.system(), 0, disturbed(s, 0.1));
   EXPECT_LT(error, 1e-6);
   RecordProperty("relative_error", scientific(error));
 }
@@ -173,25 +147,11 @@ std::vector<RigidCase> rigid_cases() {
 INSTANTIATE_TEST_SUITE_P(Terms, RigidMotionTest, testing::ValuesIn(rigid_cases()),
                          [](const auto& test) { return test.param.name; });
 
-/// Net force and torque of one disturbed state, relative to Σ|f| and Σ|r×f|.
-struct Momenta {
-  double force, torque;
-};
+/// Net force and torque of one disturbed state.
 Momenta momenta(const std::string& energy, const std::string& grid, const std::string& rest) {
   Simulation s = simulation_from_text(scene(energy, grid, rest));
   const State state = disturbed(s, 0.05);
-  const NodeVectors f = s.system().internal_force(0, state);
-  const Vec3 centre = state.r.colwise().mean();
-  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-  double force_scale = 0, torque_scale = 0;
-  for (Index a = 0; a < f.rows(); ++a) {
-    const Vec3 fa = f.row(a), arm = Vec3(state.r.row(a)) - centre;
-    force += fa;
-    torque += arm.cross(fa);
-    force_scale += fa.norm();
-    torque_scale += arm.norm() * fa.norm();
-  }
-  return {force.norm() / force_scale, torque.norm() / torque_scale};
+  return deform::momenta(s.system().internal_force(0, state), state.r);
 }
 
 TEST(Momenta, AreThoseOfEachForm) {
@@ -232,14 +192,7 @@ TEST(LaggedOperator, GivesTheForceAtItsOwnState) {
             bending(kGauss, "expanded"), bending(kExact, "divergence"), bending(kExact, "expanded"),
             bending(kTerzopoulos, "divergence"), bending(kTerzopoulos, "expanded")}) {
         Simulation s = simulation_from_text(scene(energy, grid, rest));
-        const State state = disturbed(s, 0.05);
-        const NodeVectors force = s.system().internal_force(0, state);
-        const auto [k, c] = s.system().lagged_force(0, state);
-        NodeVectors affine = c;
-        for (Index a = 0; a < k.size; ++a)
-          for (auto p = k.row_begin[a]; p < k.row_begin[a + 1]; ++p)
-            affine.row(a) -= k.value[p] * state.r.row(k.column[p]);
-        EXPECT_LT((force - affine).norm(), 1e-11 * force.norm()) << energy << grid << rest;
+        EXPECT_LT(lagged_error(s.system(), 0, disturbed(s, 0.05)), 1e-11) << energy << grid << rest;
       }
 }
 
@@ -250,14 +203,9 @@ TEST(LaggedOperator, IsSymmetricAndSemidefiniteWherePromised) {
     const TermTraits traits = s.system().energies().front().object->traits();
     ASSERT_EQ(traits.lagged, Lagged::symmetric) << energy;
     const SparseMatrix k = s.system().lagged_force(0, disturbed(s, 0.05)).k;
-    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(k.size, k.size);
-    for (Index a = 0; a < k.size; ++a)
-      for (auto p = k.row_begin[a]; p < k.row_begin[a + 1]; ++p) dense(a, k.column[p]) = k.value[p];
-    EXPECT_LT((dense - dense.transpose()).norm(), 1e-13 * dense.norm()) << energy;
+    EXPECT_LT(asymmetry(k), 1e-13) << energy;
     if (traits.semidefinite) {
-      const Eigen::VectorXd eigenvalues =
-          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense).eigenvalues();
-      EXPECT_GT(eigenvalues.minCoeff(), -1e-12 * eigenvalues.maxCoeff()) << energy;
+      EXPECT_LT(indefiniteness(k), 1e-12) << energy;
     }
   }
 }

@@ -197,9 +197,12 @@ TEST_F(Resume, AnotherSceneIsRefusedWithTheReason) {
   const Scene other = scene({{"/material/density", "0.2"}});
   EXPECT_THAT(refusal(folder_ / "run", other),
               testing::AllOf(HasSubstr("another scene"), HasSubstr("/material/density")));
-  fs::remove(folder_ / "run" / "scene.json");
+  std::ofstream(folder_ / "run" / "scene.json") << other.completed;
   EXPECT_THAT(refusal(folder_ / "run", other),
               testing::AllOf(HasSubstr("checkpoint.bin"), HasSubstr("another scene")));
+  fs::remove(folder_ / "run" / "scene.json");
+  EXPECT_THAT(refusal(folder_ / "run", scene()), HasSubstr("no scene.json"));
+  std::ofstream(folder_ / "run" / "scene.json") << scene().completed;
   (void)run_in(folder_ / "run", scene(), true, 6);  // and nothing was harmed
   EXPECT_EQ(results(folder_ / "run").size(), before.size());
 }

@@ -34,7 +34,8 @@ def ajv(pairs):
                             capture_output=True, timeout=TIMEOUT,
                             input=json.dumps([[str(path) for path in pair] for pair in pairs]))
     if result.returncode != 0:
-        raise RuntimeError(result.stderr)
+        hint = "" if (HERE / "node_modules").exists() else "run npm ci in tests/schemas first\n"
+        raise RuntimeError(hint + result.stderr)
     return json.loads(result.stdout)
 
 

@@ -120,9 +120,9 @@ TEST(SceneReader, CompletesTheSceneInItsOwnOrder) {
   const Json completed = Json::parse(read(kScene).completed);
   std::vector<std::string> keys;
   for (const auto& member : completed.items()) keys.push_back(member.key());
-  EXPECT_THAT(keys,
-              ElementsAre("title", "surface", "material", "energies", "forces", "constraints",
-                          "integrator", "duration", "outputs", "probes", "velocity", "limits", "checkpoint"));
+  EXPECT_THAT(keys, ElementsAre("title", "surface", "material", "energies", "forces", "constraints",
+                                "integrator", "duration", "outputs", "probes", "velocity", "limits",
+                                "checkpoint"));
   EXPECT_EQ(completed["velocity"], Json::array({0.0, 0.0, 0.0}));
   EXPECT_EQ(completed["limits"]["distance"], 10.0);
   EXPECT_EQ(completed["probes"][1], (Json{{"plugin", "lowest"}, {"every", 1}}));
@@ -188,6 +188,20 @@ TEST(SceneReader, SaysWhereAVariantsValueStands) {
               ElementsAre("scene.json:21:34: variant \"stiff\": at /energies/1/xi: found "
                           "[[1e-05,2],[0,1e-05]], expected a symmetric [[11, 12], [21, 22]]: 12 "
                           "must equal 21"));
+}
+
+TEST(SceneReader, LocatesProblemsThatAreFoundLater) {
+  const Scene stiff = read(kScene, {{"/duration", "3"}}, "stiff");
+  const auto located = [&stiff](const std::string& pointer) {
+    return stiff.located({pointer, "at " + pointer + ": wrong"}).message;
+  };
+  EXPECT_EQ(located("/surface/nodes"),
+            "scene.json:4:43: variant \"stiff\": at /surface/nodes: wrong");
+  EXPECT_THAT(located("/energies/1/xi"), HasSubstr("scene.json:21:"));
+  EXPECT_THAT(located("/energies/1"), HasSubstr("scene.json:21:"));  // What was changed in it.
+  EXPECT_THAT(located("/duration"), HasSubstr("--set /duration: "));
+  const Problem once = stiff.located({"/surface", "wrong"});
+  EXPECT_EQ(stiff.located(once).message, once.message);
 }
 
 TEST(SceneReader, ReportsAProblemOfTheBaseOnce) {
@@ -364,7 +378,8 @@ TEST(SceneValues, RejectsNumbersAndFlags) {
   EXPECT_EQ(complaint("counts", "[2, 1]"), "counts/1: found 1, expected whole number >= 2");
   EXPECT_THAT(complaint("both", "[true]"), HasSubstr("expected true, false or two of them"));
   EXPECT_THAT(complaint("flags", "[1]"), HasSubstr("flags/0: found 1, expected true or false"));
-  EXPECT_THAT(complaint("texts", "[\"w\"]"), HasSubstr("texts/0: found \"w\", expected list of texts, one of"));
+  EXPECT_THAT(complaint("texts", "[\"w\"]"),
+              HasSubstr("texts/0: found \"w\", expected list of texts, one of"));
   EXPECT_THAT(complaint("places", "[[1, 2]]"), HasSubstr("places/0: found [1,2]"));
   EXPECT_THAT(complaint("file", "1"), HasSubstr("file: found 1, expected file name"));
 }

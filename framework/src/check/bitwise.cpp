@@ -42,11 +42,12 @@ bool same_when_concurrent(const Evaluate& evaluate, const Evaluated& expected) {
 }
 
 /// Largest difference between x and (x + prefill) − prefill, relative to both.
-double addition_error(std::span<const double> alone, std::span<const double> added, double prefill) {
+double addition_error(std::span<const double> alone, std::span<const double> added,
+                      double prefill) {
   double worst = 0;
   for (std::size_t i = 0; i < alone.size(); ++i)
-    worst = std::max(worst, std::abs(added[i] - prefill - alone[i]) /
-                                (std::abs(alone[i]) + std::abs(prefill)));
+    worst = std::max(
+        worst, std::abs(added[i] - prefill - alone[i]) / (std::abs(alone[i]) + std::abs(prefill)));
   return worst;
 }
 
@@ -71,15 +72,14 @@ bool same_bits(std::span<const double> a, std::span<const double> b) {
 void check_evaluation(Checks& checks, const Evaluate& evaluate, bool adds) {
   const Evaluated once = evaluate(kBlock, 0);
   checks.holds("gives finite numbers", all_finite(once.numbers), "a number is not finite");
-  checks.holds(kWritesWithin, once.margins_intact,
-               "numbers beside the block's were written");
+  checks.holds(kWritesWithin, once.margins_intact, "numbers beside the block's were written");
   checks.holds("same bits when asked again", same_bits(evaluate(kBlock, 0).numbers, once.numbers),
                "the second answer differs from the first");
   for (const Index block : {Index{1}, Index{13}}) {
     const Evaluated cut = evaluate(block, 0);
-    checks.holds("same bits in blocks of other sizes", same_bits(cut.numbers, once.numbers),
-                 "blocks of " + std::to_string(block) + " differ from blocks of " +
-                     std::to_string(kBlock));
+    checks.holds(
+        "same bits in blocks of other sizes", same_bits(cut.numbers, once.numbers),
+        "blocks of " + std::to_string(block) + " differ from blocks of " + std::to_string(kBlock));
     checks.holds(kWritesWithin, cut.margins_intact,
                  "numbers beside a block's of " + std::to_string(block) + " were written");
   }

@@ -1,5 +1,5 @@
-/// Evaluations that must have the same bits however they are cut into blocks and spread over threads,
-/// and that must write where they are told and nowhere else.
+/// Evaluations that must have the same bits however they are cut into blocks and spread over
+/// threads, and that must write where they are told and nowhere else.
 #pragma once
 
 #include <functional>
@@ -36,8 +36,8 @@ struct Evaluated {
 /// callable from several threads at once.
 using Evaluate = std::function<Evaluated(Index block, double prefill)>;
 
-/// The check that a plugin fails which may have damaged the memory of the process: what comes after it
-/// says nothing, and may crash.
+/// The check that a plugin fails which may have damaged the memory of the process: what comes after
+/// it says nothing, and may crash.
 inline constexpr const char* kWritesWithin = "writes nothing beyond a block";
 
 /// Checks that results do not depend on blocks, threads or earlier calls, that nothing is written

@@ -41,8 +41,8 @@ Contract contract_of(PluginKind kind) {
 void check_description(const Subject& subject, Checks& checks) {
   const LoadedPlugin& plugin = subject.plugin();
   const PluginText& text = plugin.descriptor().text;
-  checks.holds("says its version and a summary",
-               *text.version != '\0' && *text.summary != '\0', "one of them is empty");
+  checks.holds("says its version and a summary", *text.version != '\0' && *text.summary != '\0',
+               "one of them is empty");
   for (const ParameterField& field : plugin.fields())
     checks.holds("says what its parameters mean", !field.doc.empty(),
                  fmt::format("\"{}\" has no explanation", field.name));
@@ -58,7 +58,8 @@ void check_defaults(const Subject& subject, const Scene& scene, Checks& checks) 
 Json parse_parameters(const std::string& text) {
   Json parameters = Json::parse(text, nullptr, false);
   if (!parameters.is_object()) {
-    throw InputError("the parameters must be a JSON object like {\"stiffness\": 2.0}, found " + text);
+    throw InputError("the parameters must be a JSON object like {\"stiffness\": 2.0}, found " +
+                     text);
   }
   return parameters;
 }

@@ -16,8 +16,8 @@ void check_solver_contract(const Subject& subject, Checks& checks);
 void check_output_contract(const Subject& subject, Checks& checks);
 void check_probe_contract(const Subject& subject, Checks& checks);
 
-/// For all that take part in steps: a run is the same on any number of threads, and the same when it
-/// is saved half-way and goes on in fresh objects.
+/// For all that take part in steps: a run is the same on any number of threads, and the same when
+/// it is saved half-way and goes on in fresh objects.
 void check_run(const Subject& subject, Checks& checks);
 
 }  // namespace deform

@@ -59,7 +59,8 @@ class JetBench {
       const Index size = std::min(kBlock, samples_.size() - first);
       std::vector<Values> part;
       for (const Values& field : out)
-        part.push_back(field.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size)));
+        part.push_back(
+            field.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size)));
       term_.auxiliary(block_at(first, size), part);
     }
     views_.assign(out.begin(), out.end());
@@ -217,8 +218,7 @@ void check_energy_contract(const Subject& subject, Checks& checks) {
   if (checks.has_failed(kWritesWithin)) return;
   for (const Terrain& terrain : terrains(9, 7)) {
     checks.at(terrain.name);
-    checks.runs("computes forces and energies",
-                [&] { check_mechanics(subject, terrain, checks); });
+    checks.runs("computes forces and energies", [&] { check_mechanics(subject, terrain, checks); });
   }
   check_run(subject, checks);
 }

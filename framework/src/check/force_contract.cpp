@@ -42,9 +42,11 @@ Cloud cloud(const Made<ForceField>& made, double time) {
   std::mt19937 random(54321);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const Index n = made.surface->nodes();
-  const auto scattered = [&] { return NodeVectors::NullaryExpr(n, 3, [&] { return uniform(random); }); };
-  Cloud c{*made.object, made.surface->rest(), {}, {}, made.surface->areas(),
-          0.1 * made.surface->areas(), time};
+  const auto scattered = [&] {
+    return NodeVectors::NullaryExpr(n, 3, [&] { return uniform(random); });
+  };
+  Cloud c{*made.object,          made.surface->rest(),        {},  {},
+          made.surface->areas(), 0.1 * made.surface->areas(), time};
   c.r += 0.1 * NodeVectors(scattered());
   c.v = scattered();
   c.normal = scattered();
@@ -87,9 +89,8 @@ void check_potential(Cloud c, Checks& checks) {
       c.r.col(k).array() += step;
       return c.potential();
     };
-    difference.col(k) = -(8 * (energy_at(h) - energy_at(-h)) -
-                          (energy_at(2 * h) - energy_at(-2 * h))) /
-                        (12 * h);
+    difference.col(k) =
+        -(8 * (energy_at(h) - energy_at(-h)) - (energy_at(2 * h) - energy_at(-2 * h))) / (12 * h);
   }
   checks.below("force = −gradient of the potential, as promised",
                relative((force - difference).norm(), force.norm()), 1e-6);

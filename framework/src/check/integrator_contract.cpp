@@ -91,14 +91,14 @@ void report_free_fall(const Subject& subject, const Terrain& terrain, Checks& ch
 void report_order(const Subject& subject, const Terrain& terrain, Checks& checks) {
   IntegratorScene scene(subject, terrain);
   scene["forces"] = Json::array({kGravity});
-  scene["constraints"] =
-      Json::array({{{"plugin", "pin"}, {"where", {{"boundary", "left"}}}}});
+  scene["constraints"] = Json::array({{{"plugin", "pin"}, {"where", {{"boundary", "left"}}}}});
   constexpr double T = 0.2;
   const NodeVectors coarse = scene.run(0.01, T), middle = scene.run(0.005, T),
                     fine = scene.run(0.0025, T);
   const double first = (coarse - middle).norm(), second = (middle - fine).norm();
-  checks.report("hanging sheet: order in the step",
-                second > 0 ? fmt::format("{:.2f}", std::log2(first / second)) : "steps do not matter");
+  checks.report(
+      "hanging sheet: order in the step",
+      second > 0 ? fmt::format("{:.2f}", std::log2(first / second)) : "steps do not matter");
 }
 
 }  // namespace

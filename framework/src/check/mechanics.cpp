@@ -84,7 +84,8 @@ double indefiniteness(const SparseMatrix& k) {
   const Eigen::MatrixXd full = dense(k);
   const Eigen::MatrixXd symmetric = 0.5 * (full + full.transpose());
   const Eigen::VectorXd values =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric, Eigen::EigenvaluesOnly)
+          .eigenvalues();
   const double largest = values.cwiseAbs().maxCoeff();
   return ratio(-values.minCoeff(), largest);
 }

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "deform/check/known_surfaces.h"
 #include "deform/check/mechanics.h"
-
-#include <fmt/format.h>
 
 #include "check/bitwise.h"
 #include "check/contracts.h"
@@ -69,7 +69,8 @@ void check_branches(const NormalEstimator& normal, const Geometry& geometry, Che
     }
 }
 
-/// Largest |n(mirror image) − mirror image of n|: a reflection turns normals round (a pseudovector).
+/// Largest |n(mirror image) − mirror image of n|: a reflection turns normals round (a
+/// pseudovector).
 double mirror_error(const NormalEstimator& normal, const SampleSet& samples, const NodeVectors& r) {
   NodeVectors reflected = r;
   reflected.col(2) *= -1;
@@ -116,7 +117,13 @@ double largest_angle(const NormalEstimator& normal, const SampleSet& samples, co
 
 /// A square grid with central differences for the unit square.
 Terrain square(int n) {
-  return {"", Json{{"plugin", "grid"}, {"nodes", {n, n}}, {"size", {1.0, 1.0}}}, true};
+  return {"",
+          Json{{"plugin", "grid"},
+               {"nodes", {n, n}},
+               {"size", {1.0, 1.0}},
+               {"differences", "central"},
+               {"border", "one_sided"}},
+          true};
 }
 
 void report_angles(const Subject& subject, Checks& checks) {
@@ -163,9 +170,9 @@ void check_normal_contract(const Subject& subject, Checks& checks) {
     checks.at("bending, " + terrain.name);
     checks.runs("serves an energy term", [&] {
       Simulation simulation = subject.simulation(terrain);
-      checks.below("bending with it: f = c − K r where it is lagged",
-                   lagged_error(simulation.system(), 0, disturbed(simulation.system().rest(), 0.05)),
-                   1e-10);
+      checks.below(
+          "bending with it: f = c − K r where it is lagged",
+          lagged_error(simulation.system(), 0, disturbed(simulation.system().rest(), 0.05)), 1e-10);
     });
   }
   check_run(subject, checks);

@@ -23,7 +23,8 @@ class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::random_device random;
-    path_ = fs::temp_directory_path() / fmt::format("deform_check_{:08x}{:08x}", random(), random());
+    path_ =
+        fs::temp_directory_path() / fmt::format("deform_check_{:08x}{:08x}", random(), random());
     fs::create_directory(path_);
   }
   ~TemporaryFolder() {
@@ -71,7 +72,8 @@ void check_probe(const Subject& subject, const Terrain& terrain, Checks& checks)
   const TemporaryFolder folder;
   const std::vector<double> figures = figures_of_run(subject, terrain, folder.path(), checks);
   const auto missing = std::ranges::count_if(figures, [](double x) { return std::isnan(x); });
-  checks.report("figures in the rows", fmt::format("{}, of which {} empty", figures.size(), missing));
+  checks.report("figures in the rows",
+                fmt::format("{}, of which {} empty", figures.size(), missing));
   checks.holds("same figures in another run",
                same_bits(figures_of_run(subject, terrain, folder.path(), checks), figures),
                "they differ");
@@ -86,7 +88,8 @@ void check_probe_memory(const Subject& subject, const Terrain& terrain, Checks& 
   Simulation simulation = subject.simulation(terrain);
   const RunContext context{folder.path(), "check", simulation.system(),
                            [&simulation] { return simulation.mirrored(); }};
-  const auto first = subject.make<Probe>(terrain).object, second = subject.make<Probe>(terrain).object;
+  const auto first = subject.make<Probe>(terrain).object,
+             second = subject.make<Probe>(terrain).object;
   first->begin(context);
   for (int i = 0; i < kSteps; ++i) {
     simulation.step();

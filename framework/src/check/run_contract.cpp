@@ -38,10 +38,9 @@ void check_run(const Subject& subject, Checks& checks) {
     checks.at(terrain.name);
     checks.runs("takes part in a run", [&] {
       const std::vector<double> expected = run(subject.simulation(terrain), kSteps);
-      checks.holds(
-          "same run on any number of threads",
-          same_on_threads([&] { return run(subject.simulation(terrain), kSteps); }),
-          "one thread and several differ");
+      checks.holds("same run on any number of threads",
+                   same_on_threads([&] { return run(subject.simulation(terrain), kSteps); }),
+                   "one thread and several differ");
       checks.holds("saved and loaded half-way, the run is the same",
                    same_bits(run_with_a_break(subject, terrain), expected),
                    "the state differs: something that the plugin remembers is not saved");

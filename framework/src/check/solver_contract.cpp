@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::MatrixXd;
 
-/// About five entries a row in a symmetric pattern, diagonally dominant; the same for the same n and
-/// seed, the pattern whatever the seed.
+/// About five entries a row in a symmetric pattern, diagonally dominant; the same for the same n
+/// and seed, the pattern whatever the seed.
 MatrixXd random_matrix(Index n, unsigned seed, bool symmetric) {
   std::mt19937 places(static_cast<unsigned>(n)), values(seed);
   std::uniform_int_distribution<Index> node(0, n - 1);
@@ -56,7 +56,8 @@ MatrixXd solution(LinearSolver& solver, const MatrixXd& a, Checks& checks) {
   return x;
 }
 
-void check_matrices(const Subject& subject, const Terrain& terrain, bool symmetric, Checks& checks) {
+void check_matrices(const Subject& subject, const Terrain& terrain, bool symmetric,
+                    Checks& checks) {
   const auto made = [&] { return subject.make<LinearSolver>(terrain).object; };
   for (const Index n : {1, 2, 7, 40, 150}) {
     const MatrixTraits traits{.size = n, .symmetric = symmetric, .positive_definite = symmetric};
@@ -65,8 +66,9 @@ void check_matrices(const Subject& subject, const Terrain& terrain, bool symmetr
     for (const unsigned seed : {1U, 2U, 3U}) {  // analysed once, other values in the same pattern
       const MatrixXd a = random_matrix(n, seed, symmetric);
       const MatrixXd b = right_hand_sides(n), x = solution(*solver, a, checks);
-      checks.below(symmetric ? "|A x − b| / |b|, symmetric definite" : "|A x − b| / |b|, unsymmetric",
-                   (a * x - b).norm() / b.norm(), 1e-8);
+      checks.below(
+          symmetric ? "|A x − b| / |b|, symmetric definite" : "|A x − b| / |b|, unsymmetric",
+          (a * x - b).norm() / b.norm(), 1e-8);
       const auto fresh = made();
       fresh->analyse(sparse(a), traits);
       checks.holds("remembers nothing of earlier values", solution(*fresh, a, checks) == x,

@@ -19,12 +19,12 @@ std::vector<Terrain> terrains(int n1, int n2) {
   std::vector<Terrain> all;
   for (const auto& [rest_name, rest] : rests)
     for (const Scheme& s : schemes) {
-      const Json surface{{"plugin", "grid"},       {"nodes", {n1, n2}},
-                         {"size", {1.0, 0.8}},     {"differences", s.differences},
-                         {"border", s.border},     {"weights", s.weights},
+      const Json surface{{"plugin", "grid"},   {"nodes", {n1, n2}},
+                         {"size", {1.0, 0.8}}, {"differences", s.differences},
+                         {"border", s.border}, {"weights", s.weights},
                          {"rest", rest}};
-      all.push_back({std::string(rest_name) + ", " + s.name, surface,
-                     std::string(s.border) != "paper"});
+      all.push_back(
+          {std::string(rest_name) + ", " + s.name, surface, std::string(s.border) != "paper"});
     }
   return all;
 }
@@ -43,8 +43,7 @@ Json Subject::scene_json(const Terrain& terrain) const {
       {"material", {{"density", 0.1}, {"damping", 0.1}}},
       {"energies", Json::array({{{"plugin", "stretching"}, {"eta", 0.01}}})},
       {"forces", Json::array({{{"plugin", "gravity"}, {"acceleration", {0, 0, -1}}}})},
-      {"constraints",
-       Json::array({{{"plugin", "pin"}, {"where", {{"boundary", "left"}}}}})},
+      {"constraints", Json::array({{{"plugin", "pin"}, {"where", {{"boundary", "left"}}}}})},
       {"integrator", {{"plugin", "semi_implicit"}, {"step", 0.002}}},
       {"duration", 0.1},
   };
@@ -86,13 +85,11 @@ Json Subject::scene_json(const Terrain& terrain) const {
 }
 
 Scene Subject::scene(const Terrain& terrain) const {
-  return read_scene_text(scene_json(terrain).dump(), kCheckedScene,
-                         std::filesystem::current_path(), *registry_);
+  return read_scene_text(scene_json(terrain).dump(), kCheckedScene, std::filesystem::current_path(),
+                         *registry_);
 }
 
-Simulation Subject::simulation(const Terrain& terrain) const {
-  return {scene(terrain), registry_};
-}
+Simulation Subject::simulation(const Terrain& terrain) const { return {scene(terrain), registry_}; }
 
 PluginUse Subject::use_in(const Scene& scene) const {
   switch (kind()) {

@@ -47,9 +47,9 @@ class Subject {
 
   /// The plugin as a scene says it, with its parameters.
   [[nodiscard]] Json use() const;
-  /// A scene on a terrain with the plugin in its place: gravity pulls at a sheet that is held at its
-  /// left side, where the plugin does not stand for any of that. Throws InputError for parameters
-  /// that it rejects.
+  /// A scene on a terrain with the plugin in its place: gravity pulls at a sheet that is held at
+  /// its left side, where the plugin does not stand for any of that. Throws InputError for
+  /// parameters that it rejects.
   [[nodiscard]] Scene scene(const Terrain& terrain) const;
   [[nodiscard]] Simulation simulation(const Terrain& terrain) const;
   /// The plugin's object alone, as that scene describes it.

@@ -30,16 +30,15 @@ void SampleBlock::difference(Derivative op, int f, Values out) const {
     throw Error(ExitCode::plugin_failed,
                 "the term differences a field of samples but does not declare strong_form");
   if (f < 0 || static_cast<std::size_t>(f) >= auxiliary.size())
-    throw Error(ExitCode::plugin_failed,
-                "the term differences auxiliary field " + std::to_string(f) + " but declares " +
-                    std::to_string(auxiliary.size()) + " of them");
+    throw Error(ExitCode::plugin_failed, "the term differences auxiliary field " +
+                                             std::to_string(f) + " but declares " +
+                                             std::to_string(auxiliary.size()) + " of them");
   differences->apply(op, auxiliary[static_cast<std::size_t>(f)], first(), out);
 }
 
 void AffineStress::undeclared(Channel m) {
-  throw Error(ExitCode::plugin_failed,
-              "affine_stress writes channel " + std::to_string(slot(m)) +
-                  " of the strong form, which traits() does not promise");
+  throw Error(ExitCode::plugin_failed, "affine_stress writes channel " + std::to_string(slot(m)) +
+                                           " of the strong form, which traits() does not promise");
 }
 
 void AffineStress::undeclared(Channel m, Derivative n) {

@@ -1,5 +1,7 @@
 /// JetTerm::stress of a term that says nothing but its energy: a numerical derivative of the
 /// density.
+#include "model/numerical_stress.h"
+
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -7,7 +9,6 @@
 #include "deform/model/energy_term.h"
 
 #include "geometry/sample_geometry.h"
-#include "model/numerical_stress.h"
 
 namespace deform {
 namespace {

@@ -1,10 +1,9 @@
 #include "plugin/elf_check.h"
 
-#include <elf.h>
-#include <link.h>
-
 #include <cstring>
+#include <elf.h>
 #include <fstream>
+#include <link.h>
 #include <vector>
 
 namespace deform {
@@ -41,8 +40,8 @@ std::string elf_objection(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (error || !file) return "cannot be read";
   Header header{};
-  const bool is_elf = read_at(file, 0, &header) &&
-                      std::memcmp(header.e_ident, ELFMAG, SELFMAG) == 0;
+  const bool is_elf =
+      read_at(file, 0, &header) && std::memcmp(header.e_ident, ELFMAG, SELFMAG) == 0;
   if (!is_elf) return "is no shared library: it does not begin with an ELF header";
   if (!is_of_this_machine(header)) return "is a library for another machine";
   if (header.e_type != ET_DYN) return "is no shared library, but an ELF file of another kind";

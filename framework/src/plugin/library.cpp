@@ -38,8 +38,8 @@ std::string in_quotes(std::string_view text) { return '"' + std::string(text) + 
   throw InputError(path.string() + ": " + why);
 }
 
-/// There is no hot reload: what was loaded stays until the process ends. An exception of a class of a plugin's own
-/// may be destroyed after everything else that kept its library.
+/// There is no hot reload: what was loaded stays until the process ends. An exception of a class of
+/// a plugin's own may be destroyed after everything else that kept its library.
 void keep_until_exit(const std::shared_ptr<dll::shared_library>& library) {
   static std::mutex mutex;
   static auto& kept = *new std::vector<std::shared_ptr<dll::shared_library>>;
@@ -185,7 +185,8 @@ std::shared_ptr<Plugin> LoadedPlugin::create(const ParameterValues& values,
   } catch (const InputError& error) {
     throw InputError(error.problems());  // A copy: the plugin may have thrown a class of its own.
   } catch (const PluginFailure& failure) {
-    if (names_a_plugin(failure)) throw PluginFailure(failure.what());  // one that this one asked for
+    if (names_a_plugin(failure))
+      throw PluginFailure(failure.what());  // one that this one asked for
     throw PluginFailure(origin() + " could not be made: " + failure.what());
   } catch (...) {
     throw PluginFailure(origin() + " could not be made: " + cause_of_current_exception());

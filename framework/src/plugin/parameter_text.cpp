@@ -13,6 +13,8 @@ template <class... Overloads>
 struct Overloaded : Overloads... {
   using Overloads::operator()...;
 };
+template <class... Overloads>  // clang 14 needs to be told
+Overloaded(Overloads...)->Overloaded<Overloads...>;
 
 std::string range_text(const ParameterField& field) {
   std::string text;

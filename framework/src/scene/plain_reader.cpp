@@ -45,7 +45,9 @@ std::nullopt_t PlainReader::reject(const Json& json, const ValuePlace& place,
 
 std::nullopt_t PlainReader::reject(const Json& json, const ValuePlace& place,
                                    const std::string& expected) {
-  problems_.add(place.pointer, "found " + shown(json) + ", expected " + expected);
+  if (!problems_.takes_no_more()) {
+    problems_.add(place.pointer, "found " + shown(json) + ", expected " + expected);
+  }
   return std::nullopt;
 }
 
@@ -155,6 +157,7 @@ void note_unknown_keys(const Json& object, const std::vector<std::string>& known
   for (const auto& member : object.items()) {
     const std::string& key = member.key();
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    if (problems.takes_no_more()) continue;
     const std::string rule = owner + " has no " + shown(key) + did_you_mean(key, known);
     problems.add_at_key(child_pointer(pointer, key), rule);
   }

@@ -176,6 +176,7 @@ class SectionReader {
     };
     const auto recorders_of = [](const std::vector<PluginUse>& uses) {
       std::vector<RecorderUse> recorders;
+      recorders.reserve(uses.size());
       for (const PluginUse& use : uses) recorders.push_back({use});
       return recorders;
     };

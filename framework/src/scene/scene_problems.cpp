@@ -9,26 +9,26 @@
 
 namespace deform {
 
-bool SceneProblems::is_full() {
+bool SceneProblems::takes_no_more() {
   if (problems_.size() < kMost) return false;
   ++unlisted_;
   return true;
 }
 
 void SceneProblems::add(const std::string& pointer, const std::string& rule) {
-  if (is_full()) return;
+  if (takes_no_more()) return;
   ScenePlace place = places_.of_value(pointer);
   problems_.push_back({pointer, place.at, std::move(place.source), rule});
 }
 
 void SceneProblems::add_at_key(const std::string& pointer, const std::string& rule) {
-  if (is_full()) return;
+  if (takes_no_more()) return;
   ScenePlace place = places_.of_key(pointer);
   problems_.push_back({pointer, place.at, std::move(place.source), rule});
 }
 
 void SceneProblems::add_outside(const std::string& source, const std::string& rule) {
-  if (!is_full()) problems_.push_back({"", {}, source, rule});
+  if (!takes_no_more()) problems_.push_back({"", {}, source, rule});
 }
 
 bool SceneProblems::any_within(const std::string& pointer) const {

@@ -43,9 +43,10 @@ class SceneProblems {
 
   [[nodiscard]] ScenePlaces& places() { return places_; }
 
- private:
-  [[nodiscard]] bool is_full();
+  /// Whether there are enough: then a problem need not be put into words, and is counted by this.
+  [[nodiscard]] bool takes_no_more();
 
+ private:
   const JsonDocument& document_;
   ScenePlaces places_;
   std::vector<SceneProblem> problems_;

@@ -55,12 +55,15 @@ std::optional<Json> replacement_value(const std::string& text) {
 /// replacements.
 class SceneDocument {
  public:
-  SceneDocument(JsonDocument document, fs::path file, const PluginRegistry& registry)
+  /// `makes_parts`: looks for the problems that show only then, if there are others.
+  SceneDocument(JsonDocument document, fs::path file, const PluginRegistry& registry,
+                bool makes_parts)
       : shared_document_(std::make_shared<const JsonDocument>(std::move(document))),
         document_(*shared_document_),
         file_(std::move(file)),
         folder_(fs::absolute(file_).parent_path()),
-        registry_(registry) {}
+        registry_(registry),
+        makes_parts_(makes_parts) {}
 
   Scene read(const std::vector<Replacement>& replacements, const std::string& wanted) {
     prepare();
@@ -71,7 +74,8 @@ class SceneDocument {
       scene = replacements.empty() ? std::move(reading.scene)
                                    : replaced(replacements, wanted, reading.problems);
     });
-    throw_found_and_more();
+    if (makes_parts_) look_at_parts(wanted, replacements);
+    throw_found();
     return scene;
   }
 
@@ -79,7 +83,8 @@ class SceneDocument {
     prepare();
     std::vector<Scene> scenes;
     check_all([&scenes](Reading& reading) { scenes.push_back(std::move(reading.scene)); });
-    throw_found_and_more();
+    if (makes_parts_) look_at_parts(kBase, {});
+    throw_found();
     return scenes;
   }
 
@@ -96,20 +101,20 @@ class SceneDocument {
 
   /// Where there are problems, looks also for those that only show when the parts of the scene are
   /// made: all are to be said at once.
-  void throw_found_and_more() {
+  void look_at_parts(const std::string& wanted, const std::vector<Replacement>& replacements) {
     if (found_.empty()) return;
     std::set<std::string> known;  // what the variants share is said once
-    const auto look = [&](const std::string& variant) {
+    const auto look = [&](const std::string& variant, const std::vector<Replacement>& with) {
       if (found_.size() >= SceneProblems::kMost) return;
-      const Scene scene = read_one(variant, {}).scene;
+      const Scene scene = read_one(variant, with).scene;
       for (const Problem& problem : problems_of_sound_parts(scene, registry_)) {
         const std::string told = scene.place(problem.pointer) + problem.message;
         if (known.insert(told).second) found_.push_back(scene.located(problem));
       }
     };
-    look(kBase);
-    for (const auto& [name, changes] : variants_) look(name);
-    throw_found();
+    look(kBase, {});
+    for (const auto& [name, changes] : variants_) look(name, {});
+    if (!replacements.empty()) look(wanted, replacements);
   }
 
   void note(const std::vector<SceneProblem>& problems, const std::string& variant,
@@ -268,6 +273,7 @@ class SceneDocument {
   fs::path file_;
   fs::path folder_;
   const PluginRegistry& registry_;
+  bool makes_parts_;
   Json base_;  // without variants
   std::vector<std::pair<std::string, Json>> variants_;
   std::vector<Problem> found_;
@@ -286,18 +292,19 @@ Problem Scene::located(Problem problem) const {
 
 Scene read_scene(const fs::path& file, const PluginRegistry& registry,
                  const std::vector<Replacement>& replacements, const std::string& variant) {
-  return SceneDocument(JsonDocument::read(file), file, registry).read(replacements, variant);
+  return SceneDocument(JsonDocument::read(file), file, registry, true).read(replacements, variant);
 }
 
 Scene read_scene_text(const std::string& text, const std::string& name, const fs::path& folder,
                       const PluginRegistry& registry, const std::vector<Replacement>& replacements,
                       const std::string& variant) {
   const fs::path file = folder / fs::path(name).filename();
-  return SceneDocument(JsonDocument::parse(text, name), file, registry).read(replacements, variant);
+  return SceneDocument(JsonDocument::parse(text, name), file, registry, false)
+      .read(replacements, variant);
 }
 
 std::vector<Scene> read_variants(const fs::path& file, const PluginRegistry& registry) {
-  return SceneDocument(JsonDocument::read(file), file, registry).read_all();
+  return SceneDocument(JsonDocument::read(file), file, registry, true).read_all();
 }
 
 }  // namespace deform

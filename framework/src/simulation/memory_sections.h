@@ -10,9 +10,10 @@ namespace deform {
 /// Puts what `object` remembers into `memory`, its names prefixed by `section` and a slash.
 template <class Object>
 void save_section(const Object& object, const std::string& section, Memory& memory) {
+  const std::string prefix = section + '/';
   Memory own;
   object.save(own);
-  for (const auto& [name, values] : own.entries()) memory.put(section + '/' + name, values);
+  for (const auto& [name, values] : own.entries()) memory.put(prefix + name, values);
 }
 
 /// Gives `object` what save_section kept of it.

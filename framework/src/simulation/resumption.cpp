@@ -23,7 +23,7 @@ Json parsed(const std::optional<std::string>& text) {
 /// Where two scenes differ first, apart from how long and how safely they run.
 std::string difference(const Json& there, const Json& here) {
   for (const Json& change : Json::diff(there, here)) {
-    const std::string pointer = change["path"].get<std::string>();
+    auto pointer = change["path"].get<std::string>();
     if (!pointer.starts_with("/duration") && !pointer.starts_with("/checkpoint")) return pointer;
   }
   return "/";
@@ -39,6 +39,19 @@ void refuse_other_scene(const fs::path& folder, const std::string& there, const 
       "cannot resume in '{}': it holds the run of another scene (scene.json){}; --force instead of "
       "--resume replaces it",
       folder.string(), where));
+}
+
+/// Without a scene.json there may be what a run writes before it, and nothing else: what is there
+/// will be removed.
+void refuse_other_files(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const fs::path name = entry.path().filename();
+    if (name == "manifest.json" || name == "log.txt" || name.extension() == ".part") continue;
+    throw InputError(fmt::format(
+        "cannot resume in '{}': it holds '{}' but no scene.json, so it is not a run directory",
+        folder.string(), name.string()));
+  }
 }
 
 void check(const Checkpoint& checkpoint, const fs::path& folder, const Scene& scene) {
@@ -70,7 +83,11 @@ Resumption look_for_run(const fs::path& folder, const Scene& scene) {
   found.manifest = parsed(read_file(folder / "manifest.json"));
   const bool done = found.manifest.is_object() && found.manifest.value("status", Json()) == "done";
   const std::optional<std::string> there = read_file(folder / "scene.json");
-  if (there) refuse_other_scene(folder, *there, scene);
+  if (there) {
+    refuse_other_scene(folder, *there, scene);
+  } else {
+    refuse_other_files(folder);
+  }
   found.finished = done && there == scene.completed;
   if (found.finished) return found;
   found.checkpoint = read_checkpoint(folder);

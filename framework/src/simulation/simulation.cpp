@@ -76,7 +76,6 @@ struct Simulation::Impl {
       PartMaker& maker, const std::shared_ptr<Surface>& surface);
   void choose_solver();
   void measure_rest();
-  void check_surface(const Surface& surface) const;
   void set_initial_state();
   void advance();
   void check_state();
@@ -144,8 +143,8 @@ void Simulation::Impl::make_system() {
   if (scene.solver) choose_solver();
 }
 
-/// Whether the solver that the scene names takes the matrix is a question of the scene: it is asked now, not
-/// within the first step.
+/// Whether the solver that the scene names takes the matrix is a question of the scene: it is asked
+/// now, not within the first step.
 void Simulation::Impl::choose_solver() {
   try {
     system->choose_solver();
@@ -178,21 +177,8 @@ void Simulation::Impl::measure_rest() {
   size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
 }
 
-void Simulation::Impl::check_surface(const Surface& surface) const {
-  const auto check = [this](const Eigen::Ref<const Eigen::MatrixXd>& values, const char* what) {
-    const Index node = first_not_finite(values);
-    if (node < 0) return;
-    throw PluginFailure(fmt::format("plugin {} gives node {} a {} that is not finite",
-                                    keepers.front().origin, node, what));
-  };
-  check(surface.rest(), "rest position");
-  check(surface.initial(), "initial position");
-  check(surface.areas(), "area");
-}
-
 void Simulation::Impl::set_initial_state() {
   const Surface& surface = system->surface();
-  check_surface(surface);
   state.r = mirrored ? reflected(surface.initial()) : surface.initial();
   system->prescribe(0.0, state.r);
 

@@ -68,8 +68,7 @@ void ReducedSolver::rank_solvers(Group& group) {
   const std::string offered = group.solvers.empty() ? "none was found" : group.solvers.front().name;
   std::erase_if(group.solvers, [&](const auto& s) { return fit(s) <= 0; });
   if (group.solvers.empty())
-    throw InputError("no linear solver takes this scene's " + kind + " matrix (" + offered +
-                     ")");
+    throw InputError("no linear solver takes this scene's " + kind + " matrix (" + offered + ")");
   std::ranges::stable_sort(group.solvers, std::ranges::greater{}, fit);
   group.analysed.assign(group.solvers.size(), false);
   choice_ = group.solvers.front().name + " (matrix " + kind + ", " +

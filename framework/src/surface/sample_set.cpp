@@ -113,9 +113,9 @@ SampleSet SampleSet::Builder::build() {
     throw Error(ExitCode::plugin_failed,
                 "a set whose samples are not the nodes cannot difference fields");
   if (set.field_differences_ && !set.field_differences_->fits(set.size()))
-    throw Error(ExitCode::plugin_failed,
-                "the differences of fields need a row for each of the " +
-                    std::to_string(set.size()) + " samples, and no other sample in any row");
+    throw Error(ExitCode::plugin_failed, "the differences of fields need a row for each of the " +
+                                             std::to_string(set.size()) +
+                                             " samples, and no other sample in any row");
   return std::move(set);
 }
 

@@ -11,6 +11,7 @@
 #include "deform/error.h"
 
 #include "plugin/guard.h"
+#include "solve/not_finite.h"
 
 namespace deform {
 namespace {
@@ -42,8 +43,8 @@ class SurfaceCheck {
   void check_array(const char* what, const Matrix& values) {
     if (values.rows() != nodes_) {
       note("{} has {} rows, expected {}, the number of nodes", what, values.rows(), nodes_);
-    } else if (!values.allFinite()) {
-      note("{} has a value that is not finite", what);
+    } else if (const Index node = first_not_finite(values); node >= 0) {
+      note("{} of node {} is not finite", what, node);
     }
   }
 
@@ -71,13 +72,15 @@ class SurfaceCheck {
   }
 
   void check_samples(SampleRole role) {
-    const char* const what = role == SampleRole::membrane ? "samples(membrane)" : "samples(bending)";
+    const char* const what =
+        role == SampleRole::membrane ? "samples(membrane)" : "samples(bending)";
     const SampleSet& samples = surface_.samples(role);
     if (samples.nodes() != nodes_) {
       note("{} was built for {} nodes, expected {}", what, samples.nodes(), nodes_);
     }
     const ConstValues weights = samples.weights();
-    const auto bad = std::ranges::find_if(weights, [](double w) { return !(w >= 0 && w < kInfinity); });
+    const auto bad =
+        std::ranges::find_if(weights, [](double w) { return !(w >= 0 && w < kInfinity); });
     if (bad != weights.end()) {
       note("{} has a sample of weight {}, expected a finite area", what, *bad);
     }
@@ -109,9 +112,8 @@ void check_surface(const Surface& surface, const std::string& origin) {
   const auto found = guarded(origin, "describing its nodes",
                              [&] { return SurfaceCheck(surface).contradictions(); });
   if (found.empty()) return;
-  throw PluginFailure(
-      fmt::format("plugin {} made a surface that contradicts itself: {}", origin,
-                  fmt::join(found, "; ")));
+  throw PluginFailure(fmt::format("plugin {} made a surface that contradicts itself: {}", origin,
+                                  fmt::join(found, "; ")));
 }
 
 }  // namespace deform

@@ -22,7 +22,7 @@ struct CheckLine {
   std::string figure;  ///< empty where there is none
   std::string limit;   ///< that the figure must not pass; empty where there is none
   CheckOutcome outcome = CheckOutcome::passed;
-  std::string note;    ///< where the figure is worst, or what went wrong
+  std::string note;  ///< where the figure is worst, or what went wrong
 };
 
 struct ContractReport {

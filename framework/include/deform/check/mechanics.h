@@ -8,8 +8,8 @@
 
 namespace deform {
 
-/// A state with a smooth and a small random disturbance of the positions `rest` (N × 3), its relative
-/// size about `strain`; the same for the same arguments.
+/// A state with a smooth and a small random disturbance of the positions `rest` (N × 3), its
+/// relative size about `strain`; the same for the same arguments.
 [[nodiscard]] DEFORM_API State disturbed(const NodeVectors& rest, double strain);
 
 /// |f + ∇E| / |f| of one term: its force against fourth-order differences of its energy.

@@ -54,7 +54,6 @@ class FieldRefinement {
   const FieldRefinement& one_of(std::vector<std::string> names) const {
     return with([&names](auto& f) { f.choices = std::move(names); });
   }
-  // NOLINTEND(modernize-use-nodiscard)
 
  private:
   template <class Change>
@@ -62,6 +61,7 @@ class FieldRefinement {
     if (field_ != nullptr) change(*field_);
     return *this;
   }
+  // NOLINTEND(modernize-use-nodiscard)
   ParameterField* field_;  // null while values are being filled in
 };
 

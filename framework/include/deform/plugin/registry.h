@@ -57,8 +57,9 @@ class DEFORM_API LoadedPlugin {
 /// the current or the scene's folder.
 class DEFORM_API PluginRegistry {
  public:
-  /// `folders`: from --plugin-path; throws InputError for one that is not a folder. `library`, where
-  /// one is given, stands for its kind and name wherever it lies and whatever the folders hold.
+  /// `folders`: from --plugin-path; throws InputError for one that is not a folder. `library`,
+  /// where one is given, stands for its kind and name wherever it lies and whatever the folders
+  /// hold.
   explicit PluginRegistry(const std::vector<std::filesystem::path>& folders = {},
                           const std::filesystem::path& library = {});
   ~PluginRegistry();

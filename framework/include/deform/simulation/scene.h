@@ -58,12 +58,13 @@ struct Replacement {
 };
 
 /// Reads and checks a scene. Throws InputError with every problem of the file, each with
-/// `FILE:LINE:COLUMN` where it has a place.
+/// `FILE:LINE:COLUMN` where it has a place; and then also those that only show when surface,
+/// forces and the like are made, as far as nothing else is wrong with them.
 [[nodiscard]] DEFORM_API Scene read_scene(const std::filesystem::path& file,
                                           const PluginRegistry& registry,
                                           const std::vector<Replacement>& replacements = {},
                                           const std::string& variant = "base");
-/// The same for text; relative file names start from `folder`.
+/// The same for text, without making anything; relative file names start from `folder`.
 [[nodiscard]] DEFORM_API Scene read_scene_text(const std::string& text, const std::string& name,
                                                const std::filesystem::path& folder,
                                                const PluginRegistry& registry,
