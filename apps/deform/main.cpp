@@ -15,9 +15,11 @@
 #include "deform/plugin/registry.h"
 #include "deform/version.h"
 
+#include "compare_command.h"
 #include "plugin_command.h"
 #include "plugins_command.h"
 #include "progress.h"
+#include "report_command.h"
 #include "report_error.h"
 #include "run_command.h"
 #include "schema_command.h"
@@ -37,12 +39,15 @@ struct Arguments {
   std::vector<std::filesystem::path> plugin_folders;
   std::size_t threads = 0;  // 0: as many as there are
   RunCommand run;
-  std::vector<std::string> sets;
+  CompareCommand compare;
+  std::vector<std::string> sets, vary, shadows;
   std::string which_plugin;
   NewPlugin new_plugin;
   ContractOptions contract;
   std::vector<std::filesystem::path> scenes;
   std::filesystem::path schema_folder;
+  std::filesystem::path report_folder;
+  bool report_png = false;
 };
 
 Replacement parse_replacement(const std::string& text) {
@@ -51,6 +56,39 @@ Replacement parse_replacement(const std::string& text) {
     throw CLI::ValidationError("--set", "'" + text + "' is not of the form /POINTER=VALUE");
   }
   return {text.substr(0, sign), text.substr(sign + 1)};
+}
+
+Variation parse_variation(const std::string& text) {
+  const std::size_t sign = text.find('=');
+  if (sign == std::string::npos || !text.starts_with('/')) {
+    throw CLI::ValidationError("--vary", "'" + text + "' is not of the form /POINTER=V1,V2,…");
+  }
+  return {text.substr(0, sign), split_values(text.substr(sign + 1))};
+}
+
+void add_set(CLI::App& command, Arguments& arguments, std::vector<Replacement>& replacements) {
+  command
+      .add_option("--set", arguments.sets,
+                  "put VALUE (JSON, else a string) at a JSON pointer of the scene; may be repeated")
+      ->type_name("PTR=VALUE")
+      ->allow_extra_args(false)
+      ->each([&replacements](const std::string& text) {
+        replacements.push_back(parse_replacement(text));
+      });
+}
+
+void add_shadow(CLI::App& command, Arguments& arguments, std::vector<Replacement>& replacements) {
+  command
+      .add_option("--shadow", arguments.shadows,
+                  "normal estimators (names, or JSON objects) to measure beside the run's own, on the "
+                  "same states; may be repeated")
+      ->type_name("N1,N2,…")
+      ->allow_extra_args(false)
+      ->each([&replacements](const std::string& text) {
+        for (const std::string& estimator : split_values(text)) {
+          replacements.push_back({"/shadow/-", estimator, false, "--shadow"});
+        }
+      });
 }
 
 void add_plugin_path(CLI::App& command, Arguments& arguments) {
@@ -63,13 +101,8 @@ void add_plugin_path(CLI::App& command, Arguments& arguments) {
 CLI::App& add_run(CLI::App& app, Arguments& arguments) {
   CLI::App& run = *app.add_subcommand("run", "Run a scene and record it");
   run.add_option("SCENE", arguments.run.scene, "scene file")->required()->type_name("");
-  run.add_option("--set", arguments.sets,
-                 "put VALUE (JSON, else a string) at a JSON pointer of the scene; may be repeated")
-      ->type_name("PTR=VALUE")
-      ->allow_extra_args(false)
-      ->each([&arguments](const std::string& text) {
-        arguments.run.replacements.push_back(parse_replacement(text));
-      });
+  add_set(run, arguments, arguments.run.replacements);
+  add_shadow(run, arguments, arguments.run.replacements);
   run.add_option("--variant", arguments.run.variant, "variant of the scene")->type_name("NAME");
   run.add_option("--out", arguments.run.folder, "run directory (default: runs/SCENE[-VARIANT])")
       ->type_name("DIR");
@@ -82,8 +115,63 @@ CLI::App& add_run(CLI::App& app, Arguments& arguments) {
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
   run.add_flag("--quiet", arguments.run.quiet, "no progress bar and no summary");
+  run.add_flag("--part-of-comparison", arguments.run.part_of_comparison)->group("");
   add_plugin_path(run, arguments);
   return run;
+}
+
+CLI::App& add_compare(CLI::App& app, Arguments& arguments) {
+  CLI::App& compare =
+      *app.add_subcommand("compare", "Run a scene's variants and measure them against each other");
+  ComparisonOptions& options = arguments.compare.options;
+  compare.add_option("SCENE", options.request.scene, "scene file")->required()->type_name("");
+  compare.add_option("--variants", arguments.compare.variants,
+                     "variants to run (default: base and all; with --vary base alone)")
+      ->type_name("A,B,…")
+      ->allow_extra_args(false);
+  compare
+      .add_option("--vary", arguments.vary,
+                  "values (JSON, else strings) to put at a JSON pointer, one a run; several make "
+                  "the full grid")
+      ->type_name("PTR=V1,V2,…")
+      ->allow_extra_args(false)
+      ->each([&options](const std::string& text) {
+        options.request.variations.push_back(parse_variation(text));
+      });
+  add_set(compare, arguments, options.request.replacements);
+  compare
+      .add_option("--reference", options.request.reference,
+                  "run to measure the others against; refined: the scene (refined:VARIANT: that "
+                  "one) on a grid twice as fine with a quarter of the step")
+      ->type_name("NAME");
+  compare
+      .add_option("--tolerance", options.request.tolerance,
+                  "distance at which a run parts from the reference (default: 1 % of the size)")
+      ->type_name("METRES")
+      ->check(CLI::PositiveNumber);
+  compare
+      .add_option("--expect", options.expectation,
+                  R"(claims to check, {"claims": ["a.flatness < b.flatness"]})")
+      ->type_name("FILE");
+  compare.add_option("--out", options.runner.folder, "folder (default: runs/SCENE-comparison)")
+      ->type_name("DIR");
+  CLI::Option* force =
+      compare.add_flag("--force", options.force, "replace an existing comparison directory");
+  compare
+      .add_flag("--resume", options.runner.resume,
+                "take over runs that are complete and unchanged, and go on with the others")
+      ->excludes(force);
+  compare.add_option("--jobs", options.runner.jobs, "runs at a time (default: 1)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  compare
+      .add_option("--threads", arguments.compare.threads,
+                  "threads of each run (default: those of the machine, over the jobs)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+  compare.add_flag("--quiet", arguments.compare.quiet, "no progress bar and no table");
+  add_plugin_path(compare, arguments);
+  return compare;
 }
 
 CLI::App& add_plugins(CLI::App& app, Arguments& arguments) {
@@ -133,6 +221,17 @@ CLI::App& add_validate(CLI::App& app, Arguments& arguments) {
   return validate;
 }
 
+CLI::App& add_report(CLI::App& app, Arguments& arguments) {
+  CLI::App& report = *app.add_subcommand(
+      "report", "Make report.html of a run or comparison directory again, from what is in it");
+  report.add_option("DIR", arguments.report_folder, "run or comparison directory")
+      ->required()
+      ->type_name("");
+  report.add_flag("--png", arguments.report_png,
+                  "and report.png, a contact sheet of variants and moments (needs Chromium)");
+  return report;
+}
+
 CLI::App& add_schema(CLI::App& app, Arguments& arguments) {
   CLI::App& schema = *app.add_subcommand(
       "schema", "Print the JSON Schema of scenes, with the parameters of every plugin found");
@@ -152,9 +251,12 @@ int execute(int argc, char** argv) {
   Arguments arguments;
   arguments.run.command_line.assign(argv, argv + argc);
   const CLI::App& run = add_run(app, arguments);
+  arguments.compare.options.command_line = arguments.run.command_line;
+  const CLI::App& compare = add_compare(app, arguments);
   add_plugins(app, arguments);
   const CLI::App& plugin = add_plugin(app, arguments);
   const CLI::App& validate = add_validate(app, arguments);
+  const CLI::App& report = add_report(app, arguments);
   const CLI::App& schema = add_schema(app, arguments);
   try {
     app.parse(argc, argv);
@@ -172,9 +274,13 @@ int execute(int argc, char** argv) {
   log_above(bar);
   if (plugin.got_subcommand("new")) return new_plugin(arguments.new_plugin);
   if (plugin.got_subcommand("check")) return check_plugin(arguments.contract);
+  if (report.parsed()) return write_reports(arguments.report_folder, arguments.report_png);
   const auto registry = std::make_shared<const PluginRegistry>(arguments.plugin_folders);
   if (validate.parsed()) return validate_scenes(arguments.scenes, registry);
   if (schema.parsed()) return write_schemas(*registry, arguments.schema_folder);
+  if (compare.parsed()) {
+    return compare_scene(arguments.compare, arguments.plugin_folders, registry, bar);
+  }
   if (!run.parsed()) return list_plugins(*registry, arguments.which_plugin);
   return run_scene(arguments.run, registry, bar);
 }
@@ -187,7 +293,7 @@ int main(int argc, char** argv) {
   // depend on their number.
   ::setenv("OPENBLAS_NUM_THREADS", "1", 0);
   try {
-    return deform::app::execute(argc, argv);
+    return deform::app::finish_output(deform::app::execute(argc, argv));
   } catch (...) {
     return deform::app::report_current_error();
   }

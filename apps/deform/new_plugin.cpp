@@ -80,6 +80,7 @@ std::string scene_text(const std::string& kind, const std::string& name) {
 
   std::erase_if(sections, [](const auto& section) { return section.second.empty(); });
   std::vector<std::string> lines;
+  lines.reserve(sections.size());
   for (const auto& [key, text] : sections) lines.push_back(fmt::format("  \"{}\": {}", key, text));
   return fmt::format("{{\n{}\n}}\n", fmt::join(lines, ",\n"));
 }
@@ -140,7 +141,7 @@ int new_plugin(const NewPlugin& what) {
       "{0}: a plugin {1}/{2} that works; change {2}.cpp to make it yours\n\n"
       "  cmake -S {0} -B {0}/build && cmake --build {0}/build\n"
       "  deform plugin check {0}/build/{1}-{2}.so\n"
-      "  deform run {0}/scene.json --plugin-path {0}/build\n",
+      "  deform run {0}/scene.json --plugin-path {0}/build --out {0}/run\n",
       where, what.kind, what.name);
   return static_cast<int>(ExitCode::done);
 }

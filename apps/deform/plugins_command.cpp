@@ -63,7 +63,7 @@ Rows parameter_rows(const LoadedPlugin& plugin) {
 
 /// The least that a scene must say: {"plugin": "point_load", "force": [x, y, z], …}.
 std::string least_use(const LoadedPlugin& plugin) {
-  std::string text = fmt::format("{{ \"plugin\": \"{}\"", plugin.file().name);
+  std::string text = fmt::format(R"({{ "plugin": "{}")", plugin.file().name);
   for (const ParameterField& field : all_fields(plugin)) {
     if (field.required) text += fmt::format(", \"{}\": {}", field.name, describe(field).type);
   }

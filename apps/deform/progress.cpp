@@ -74,6 +74,14 @@ void ProgressBar::update(long done, long total) {
   draw();
 }
 
+void ProgressLines::operator()(long done, long /*total*/) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return;
+  next_ = now + std::chrono::milliseconds(100);
+  fmt::print("progress {}\n", done);
+  std::fflush(stdout);
+}
+
 void ProgressBar::write_above(const std::string& line) {
   const std::lock_guard lock(mutex_);
   const std::string bar = drawn_;

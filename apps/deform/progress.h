@@ -30,6 +30,15 @@ class ProgressBar {
   Clock::time_point start_, next_;
 };
 
+/// The same for another program: a line "progress DONE" on stdout, at most ten times a second.
+class ProgressLines {
+ public:
+  void operator()(long done, long total);
+
+ private:
+  std::chrono::steady_clock::time_point next_;
+};
+
 /// "41 s", "3:07 min" or "1:02:03 h".
 [[nodiscard]] std::string format_duration(double seconds);
 

@@ -1,7 +1,9 @@
 #include "report_error.h"
 
+#include <cerrno>
 #include <cstdio>
 #include <exception>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -20,10 +22,24 @@ int report_current_error() {
   } catch (const Error& e) {
     fmt::print(stderr, "deform: {}\n", e.what());
     return static_cast<int>(e.code());
+  } catch (const std::system_error& e) {  // nothing is wrong with the program: a full disk, say
+    fmt::print(stderr, "deform: {}\n", e.what());
+    return static_cast<int>(ExitCode::internal_error);
   } catch (const std::exception& e) {
     fmt::print(stderr, "deform: internal error: {}\n", e.what());
     return static_cast<int>(ExitCode::internal_error);
   }
+}
+
+int finish_output(int code) {
+  errno = 0;
+  const bool flushed = std::fflush(stdout) == 0;
+  if (flushed && std::ferror(stdout) == 0) return code;
+  // An earlier write may have failed, of which the reason is no longer known.
+  fmt::print(stderr, "deform: cannot write to standard output{}\n",
+             flushed ? "" : ": " + std::generic_category().message(errno));
+  return code == static_cast<int>(ExitCode::done) ? static_cast<int>(ExitCode::internal_error)
+                                                  : code;
 }
 
 }  // namespace deform::app

@@ -7,4 +7,8 @@ namespace deform::app {
 /// of its own. Returns the program's exit code.
 [[nodiscard]] int report_current_error();
 
+/// Writes what is left of standard output. Returns `code`, or, where that says "done" although not
+/// everything could be written, the one of an internal error, and prints the reason.
+[[nodiscard]] int finish_output(int code);
+
 }  // namespace deform::app

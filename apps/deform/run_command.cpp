@@ -7,9 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "deform/log.h"
 #include "deform/simulation/run.h"
 
 #include "interrupt.h"
+#include "remarks.h"
+#include "report_command.h"
 
 namespace deform::app {
 namespace {
@@ -48,6 +51,7 @@ void print_figures(const RunResult& result) {
 
 void print_summary(const RunResult& result, const std::filesystem::path& folder) {
   fmt::print("{}\n", folder.string());
+  if (result.code != ExitCode::done) fmt::print("  ended         {}\n", status_of(result.code));
   fmt::print(
       "  steps         {}{}\n", result.steps,
       result.resumed_after > 0 ? fmt::format(" ({} of them before)", result.resumed_after) : "");
@@ -61,6 +65,9 @@ void print_summary(const RunResult& result, const std::filesystem::path& folder)
 int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegistry>& registry,
               ProgressBar& bar) {
   const Scene scene = read_scene(command.scene, *registry, command.replacements, command.variant);
+  if (!command.part_of_comparison) {
+    for (const Problem& remark : remarks(scene)) log::warn(remark.message);
+  }
   RunOptions options;
   options.folder = command.folder.empty() ? default_folder(command) : command.folder;
   options.force = command.force;
@@ -68,8 +75,10 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
   options.interrupted = &watch_interrupts();
   options.command_line = command.command_line;
   options.progress = [&bar](long done, long total) { bar.update(done, total); };
+  if (command.part_of_comparison) options.progress = ProgressLines();
 
-  if (!command.quiet) bar.begin();
+  const bool quiet = command.quiet || command.part_of_comparison;
+  if (!quiet) bar.begin();
   RunResult result;
   try {
     result = run(scene, registry, options);
@@ -79,7 +88,12 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
   }
   bar.end();
   if (!result.reason.empty()) fmt::print(stderr, "deform: {}\n", result.reason);
-  if (!command.quiet) print_summary(result, options.folder);
+  if (!quiet) print_summary(result, options.folder);
+  // A comparison has a report of its own, which shows them all.
+  if (scene.frames_written && !command.part_of_comparison) {
+    const std::string report = add_report(options.folder);
+    if (!quiet) fmt::print("  report        {}\n", report);
+  }
   return static_cast<int>(result.code);
 }
 

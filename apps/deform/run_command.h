@@ -21,6 +21,8 @@ struct RunCommand {
   bool force = false;
   bool resume = false;
   bool quiet = false;
+  /// Says to stdout how many steps are done, for the program that compares; nothing else.
+  bool part_of_comparison = false;
   std::vector<std::string> command_line;
 };
 

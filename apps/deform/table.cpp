@@ -10,13 +10,6 @@
 namespace deform::app {
 namespace {
 
-/// Characters of a UTF-8 text: its bytes that do not continue one.
-std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char byte) {
-    return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
-  }));
-}
-
 /// Columns that a line has; without end where nobody looks at a terminal.
 std::size_t terminal_width() {
   winsize size{};
@@ -33,6 +26,12 @@ bool is_used(const std::vector<std::vector<std::string>>& rows, std::size_t colu
 }
 
 }  // namespace
+
+std::size_t width_of(const std::string& text) {
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char byte) {  // those that continue none
+    return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
+  }));
+}
 
 void print_table(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> columns, widths;

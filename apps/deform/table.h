@@ -6,6 +6,9 @@
 
 namespace deform::app {
 
+/// Characters of a UTF-8 text.
+[[nodiscard]] std::size_t width_of(const std::string& text);
+
 /// Prints columns side by side, each as wide as its widest text (UTF-8, a column a character), the
 /// last one wrapped on a terminal; the first row is the heading. Columns that are empty in all
 /// other rows are left out.

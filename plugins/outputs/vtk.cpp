@@ -46,7 +46,7 @@ class Collection {
     for (std::size_t i = 0; i < steps_.size(); ++i) {
       text += "<DataSet timestep=\"";
       outputs::append_number(text, times_[i]);
-      text += "\" part=\"0\" file=\"" + file_of(static_cast<long>(steps_[i])) + "\"/>\n";
+      text += R"(" part="0" file=")" + file_of(static_cast<long>(steps_[i])) + "\"/>\n";
     }
     text += "</Collection>\n</VTKFile>\n";
     outputs::OutputFile file(folder / (stem_ + ".pvd"));

@@ -118,7 +118,7 @@ std::string VtkPolyData::header() const {
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n");
-  h.array("Float64", "Name=\"TimeValue\" NumberOfTuples=\"1\"", sizeof(double));
+  h.array("Float64", R"(Name="TimeValue" NumberOfTuples="1")", sizeof(double));
   h.text("</FieldData>\n<Piece ").text(quoted("NumberOfPoints", std::to_string(count_))).text(" ");
   h.text(quoted(std::string("NumberOf") + cells_, std::to_string(ends_.size()))).text(">\n");
   h.text("<Points>\n");

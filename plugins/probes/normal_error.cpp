@@ -1,9 +1,6 @@
 /// How far the estimated normal points away from the exact one: coefficients of the previous state
 /// on the present jets, which is what a linearly implicit step has just used.
 #include <algorithm>
-#include <cmath>
-
-#include <Eigen/Geometry>
 
 #include <deform/record/jet_terms.h>
 #include <deform/record/probe.h>
@@ -11,21 +8,6 @@
 namespace {
 
 using namespace deform;
-
-/// Estimates shorter than this (a unit vector is 1, a curvature some 1/m) are the rounding of
-/// second differences, about 1e-16/h², and have no direction.
-constexpr double kShortest = 1e-9;
-
-/// Area-weighted mean and maximum of angles.
-struct Angles {
-  double sum = 0, weight = 0, max = 0;
-
-  void add(double angle, double w) {
-    sum += w * angle;
-    weight += w;
-    max = std::max(max, angle);
-  }
-};
 
 class NormalError final : public Probe {
  public:
@@ -47,9 +29,9 @@ class NormalError final : public Probe {
     if (frame.step == 0) return;  // there is no previous state
     for (std::size_t t = 0; t < terms_.size(); ++t) {
       const Angles angles = angles_of(terms_[t], frame.system);
-      if (!(angles.weight > 0)) continue;
-      figures[2 * t] = angles.sum / angles.weight;
-      figures[2 * t + 1] = angles.max;
+      if (angles.none()) continue;
+      figures[2 * t] = angles.mean();
+      figures[2 * t + 1] = angles.max();
     }
   }
 
@@ -63,12 +45,8 @@ class NormalError final : public Probe {
     for (const Pair ij : kPairs) {
       estimate_normals(use, lagged, now, ij, estimates_);
       for (Index s = 0; s < now.size(); ++s) {
-        const Vec3 estimate = estimates_.row(s), exact = n[s];
-        if (estimate.norm() < kShortest || exact.isZero(0)) continue;
-        // Well-conditioned at any angle, unlike acos; directed, so that an estimate on the wrong
-        // side of the surface counts as wrong by more than π/2.
-        const double angle = std::atan2(estimate.cross(exact).norm(), estimate.dot(exact));
-        angles.add(angle, area[static_cast<std::size_t>(s)] * multiplicity(ij));
+        angles.add(angle_between(estimates_.row(s), n[s]),
+                   area[static_cast<std::size_t>(s)] * multiplicity(ij));
       }
     }
     return angles;

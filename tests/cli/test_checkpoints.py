@@ -1,6 +1,7 @@
 """Whatever stops a run, it can be resumed, and ends with the same bits; what is no checkpoint is refused.
 
 DEFORM_KILLS: how often a run is killed at a random moment (default 10).
+DEFORM_KILLED_SECONDS: about how long the run that is killed takes (default 0.5).
 """
 
 import json
@@ -17,8 +18,9 @@ from pathlib import Path
 from test_run_command import PROGRAM, TIMEOUT, RunCommand, sheet
 
 KILLS = int(os.environ.get("DEFORM_KILLS", "10"))
+KILLED_SECONDS = float(os.environ.get("DEFORM_KILLED_SECONDS", "0.5"))
 # Of the run itself, not of what it computed; the table and the files of the outputs are all compared.
-ABOUT_THE_RUN = {"log.txt", "manifest.json"}
+ABOUT_THE_RUN = {"log.txt", "manifest.json", "report.html"}
 
 
 def scene(**changes):
@@ -76,34 +78,53 @@ class Checkpoints(RunCommand):
 
 
 class Stopped(Checkpoints):
+    def whole_run_to_kill(self):
+        """A scene that runs for about KILLED_SECONDS, its results and its time."""
+        duration = 1.2
+        for _ in range(4):
+            path = self.write(scene(duration=duration))
+            shutil.rmtree(self.folder / "whole", ignore_errors=True)
+            started = time.monotonic()
+            expected = self.run_whole(path)
+            taken = time.monotonic() - started
+            if taken > 0.8 * KILLED_SECONDS:
+                break
+            duration = 0.02 * round(duration / 0.02 * min(20, KILLED_SECONDS / taken))
+        return path, expected, taken
+
+    def kill_once(self, path, seconds):
+        """Returns whether the run was still there to be killed."""
+        had_checkpoint = (self.out / "checkpoint.bin").exists()
+        process = self.start(path, "--resume")
+        time.sleep(seconds)
+        process.kill()
+        _, said = process.communicate(timeout=TIMEOUT)
+        self.assertIn(process.returncode, (0, -signal.SIGKILL), said)
+        if had_checkpoint or len(list(self.out.glob("vtk/*.vtp"))) > 1:
+            self.assertTrue((self.out / "checkpoint.bin").exists(), "the checkpoint is lost")
+        return process.returncode == -signal.SIGKILL
+
     def test_killed_at_random_moments(self):
-        path = self.write(scene())
-        started = time.monotonic()
-        expected = self.run_whole(path)
-        whole_time = time.monotonic() - started
-        outcomes = {"before its first checkpoint": 0, "after one": 0, "not at all": 0}
-        for number in range(KILLS):
-            with self.subTest(kill=number):
+        path, expected, whole_time = self.whole_run_to_kill()
+        moment = random.Random(1)
+        outcomes = {"before its first checkpoint": 0, "after one": 0, "twice": 0, "not at all": 0}
+        kills = 0
+        while kills < KILLS:
+            with self.subTest(kill=kills):
                 shutil.rmtree(self.out, ignore_errors=True)
-                moment = random.Random(number)
-                # Some are killed again when they were resumed.
-                for again in range(1 + number % 2):
-                    process = self.start(path, "--resume")
-                    time.sleep(moment.uniform(0, 1.05 * whole_time))
-                    process.kill()
-                    process.communicate(timeout=TIMEOUT)
-                    self.assertIn(process.returncode, (0, -signal.SIGKILL))
-                if process.returncode == 0:
-                    outcomes["not at all"] += 1
-                elif (self.out / "checkpoint.bin").exists():
-                    outcomes["after one"] += 1
-                else:
-                    outcomes["before its first checkpoint"] += 1
+                killed = self.kill_once(path, moment.uniform(0, 0.95 * whole_time))
+                if killed and moment.random() < 0.3:  # some again, when they were resumed
+                    outcomes["twice"] += self.kill_once(path, moment.uniform(0, 0.5 * whole_time))
+                kills += killed  # only those that were killed count
+                if not killed:  # it is faster than when it was measured
+                    whole_time *= 0.95
+                has_checkpoint = (self.out / "checkpoint.bin").exists()
+                outcomes["not at all" if not killed else "after one" if has_checkpoint
+                         else "before its first checkpoint"] += 1
                 said = self.resume(path).stderr
-                if not process.returncode == 0 and "checkpoint" in said:
-                    self.assertIn("starts anew", said)
+                self.assertEqual("starts anew" in said, not has_checkpoint, said)
                 self.assert_same_results(expected)
-        print(f"{KILLS} runs killed: {outcomes}")
+        print(f"{kills} runs of {whole_time:.2f} s killed: {outcomes}")
 
     def test_interrupted(self):
         path = self.write(scene(duration=8.0, outputs=[{"plugin": "vtk", "every": 40}]))
@@ -255,7 +276,7 @@ class FullDisk(Checkpoints):
         self.assert_same_results(expected)
 
     def test_table_that_cannot_grow(self):
-        path = self.write(scene(outputs=[], duration=4.0))
+        path = self.write(scene(outputs=[], duration=4.0, frames={"write": False}))
         expected = self.run_whole(path)
         result = self.run_limited(0.02, path, "--out", self.out)
         self.assertEqual(result.returncode, 1, result.stderr)
@@ -265,7 +286,8 @@ class FullDisk(Checkpoints):
 
     def test_checkpoint_that_cannot_be_written_leaves_the_one_before(self):
         surface = {"plugin": "grid", "nodes": [33, 33], "size": [1.0, 1.0]}
-        path = self.write(scene(outputs=[], surface=surface, duration=0.4, probes=["lowest"]))
+        path = self.write(scene(outputs=[], surface=surface, duration=0.4, probes=["lowest"],
+                                frames={"write": False}))
         expected = self.run_whole(path)
         self.run_scene(json.loads(path.read_text()), "--set", "/duration=0.16")
         before = (self.out / "checkpoint.bin").read_bytes()

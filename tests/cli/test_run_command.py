@@ -103,6 +103,7 @@ class Done(RunCommand):
         manifest = self.load("manifest.json")
         self.assertEqual(manifest["status"], "done")
         self.assertEqual(manifest["exit_code"], 0)
+        self.assertEqual(manifest["variant"], "base")
         self.assertEqual(manifest["steps"], 10)
         self.assertGreater(manifest["wall_seconds"], 0)
         self.assertRegex(manifest["started"], r"^\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
@@ -149,6 +150,7 @@ class Done(RunCommand):
 
     def test_recorded_scene_runs_again_to_the_same_figures(self):
         self.run_scene(sheet(), "--variant", "heavy")
+        self.assertEqual(self.load("manifest.json")["variant"], "heavy")
         again = self.folder / "again"
         result = self.deform("run", self.out / "scene.json", "--out", again)
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -212,6 +214,24 @@ class Talk(RunCommand):
         self.assertEqual(process.wait(TIMEOUT), 0)
         self.assertRegex(shown, rb"% \[[#.]+\] \d+/200 ")
         self.assertTrue(shown.endswith(b"\r\x1b[K"), shown[-80:])
+
+    def test_duration_between_two_steps(self):
+        result = self.run_scene(sheet(duration=0.05))
+        self.assertRegex(result.stderr, r"sheet.json:1:\d+: .*0\.05 s is no whole number of steps "
+                         r"of 0\.02 s: 3 are run, to 0\.06 s")
+        self.assertEqual(self.load("summary.json")["steps"], 3)
+        result = self.deform("validate", self.write(sheet(duration=0.05)))
+        self.assertEqual(result.returncode, 0)
+        self.assertEqual(result.stderr.count("no whole number of steps"), 1, result.stderr)
+
+    def test_output_that_cannot_be_written(self):
+        for arguments in (("plugins",), ("schema",), ("--help",), ("plugins", "normal/gauss")):
+            with self.subTest(arguments=arguments), open("/dev/full", "w") as full:
+                result = subprocess.run([PROGRAM, *arguments], stdout=full, stderr=subprocess.PIPE,
+                                        text=True, timeout=TIMEOUT)
+                self.assertEqual(result.returncode, 1)
+                self.assertIn("cannot write", result.stderr)
+                self.assertIn("No space left on device", result.stderr)
 
     def test_help_and_version(self):
         for arguments in (("--help",), ("run", "--help"), ("--version",)):
@@ -287,6 +307,7 @@ class Ends(RunCommand):
         self.assertIn(summary["term"], ("stretching", "bending"))
         self.assertTrue(0 <= summary["node"] < 21 * 21)
         self.assertIn(f"step {summary['step']}", result.stderr)
+        self.assertRegex(result.stdout, r"ended +diverged\n")
         self.assertEqual(self.load("manifest.json")["exit_code"], 3)
         # The last good state is on record, and what was written is whole.
         self.assertEqual(int(self.rows()[-1][0]), summary["steps"])

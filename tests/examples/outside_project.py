@@ -60,6 +60,10 @@ class Installation(Outside):
         self.assertIn("gauss", listed)
         self.assertNotIn("DOES NOT LOAD", listed)
 
+    def test_the_licences_come_with_it(self):
+        for name in ("LICENSE", "LICENSES.md", "README.md"):
+            self.assertTrue((self.prefix / "share" / "doc" / "deform" / name).is_file(), name)
+
     def test_it_may_be_moved(self):
         moved = self.folder / "moved"
         shutil.copytree(self.prefix, moved, symlinks=True)

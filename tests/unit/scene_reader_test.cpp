@@ -121,7 +121,7 @@ TEST(SceneReader, CompletesTheSceneInItsOwnOrder) {
   std::vector<std::string> keys;
   for (const auto& member : completed.items()) keys.push_back(member.key());
   EXPECT_THAT(keys, ElementsAre("title", "surface", "material", "energies", "forces", "constraints",
-                                "integrator", "duration", "outputs", "probes", "velocity", "limits",
+                                "integrator", "duration", "frames", "outputs", "probes", "velocity", "limits",
                                 "checkpoint"));
   EXPECT_EQ(completed["velocity"], Json::array({0.0, 0.0, 0.0}));
   EXPECT_EQ(completed["limits"]["distance"], 10.0);

@@ -17,8 +17,16 @@ export interface SheetOptions {
   /** Size of one picture in pixels. */
   width?: number;
   height?: number;
+  /** What is to be said about the whole. */
+  note?: string;
 }
 
+const kWidth = 400;
+/** Height of a picture for its width. */
+const kAspect = 0.72;
+/** Of the pictures, in pixels: browsers have canvases of some 16000, other programs less. */
+const kMostHeight = 9000;
+const kMostRows = 100;
 const kInk = '#1b1f24';
 const kMuted = '#5b6570';
 const kPaper = '#ffffff';
@@ -30,6 +38,16 @@ export function evenFrames(report: Report, count: number): number[] {
   const last = report.lastFrame;
   const frames = Array.from({ length: count }, (_, i) => Math.round((i * last) / (count - 1)));
   return [...new Set(frames)];
+}
+
+/** What a sheet of these variants has to leave out and make smaller so as not to be too high. */
+export function fittingOptions(variants: Variant[]): SheetOptions {
+  const rows = variants.filter((v) => v.hasShape);
+  const shown = rows.slice(0, kMostRows);
+  const width = Math.min(kWidth, Math.floor(kMostHeight / kAspect / Math.max(shown.length, 1)));
+  const note =
+    shown.length < rows.length ? `the first ${kMostRows} of ${rows.length} variants` : '';
+  return { variants: shown.map((v) => v.name), width, note };
 }
 
 /** The sheet as a PNG data URL. */
@@ -50,9 +68,10 @@ export async function contactSheet(
   const rows = options.variants
     ? options.variants.map((name) => find(report, name))
     : stage.chosen.filter((v) => v.hasShape);
-  const width = options.width ?? 400;
-  const height = options.height ?? Math.round(width * 0.72);
-  const unit = width / 400;
+  if (rows.length === 0) throw new Error('there is no shape to show');
+  const width = options.width ?? kWidth;
+  const height = options.height ?? Math.round(width * kAspect);
+  const unit = width / kWidth;
   const margins = {
     left: Math.round(kMargins.left * unit),
     top: Math.round(kMargins.top * unit),
@@ -89,6 +108,10 @@ export async function contactSheet(
     });
   });
   scale(pen, fields, view, canvas.width, canvas.height - margins.bottom / 2, unit);
+  if (options.note) {
+    const y = canvas.height - margins.bottom / 2;
+    write(pen, options.note, 14 * unit, y, 15 * unit, kMuted, 'left');
+  }
   stage.layout();
   return canvas.toDataURL('image/png');
 }

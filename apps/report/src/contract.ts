@@ -1,7 +1,15 @@
 // What the program writes into the page: docs/report-format.md, format 1.
 
 export type Scale = 'sequential' | 'diverging' | 'categorical';
-export type Status = 'done' | 'diverged' | 'plugin failed' | 'interrupted';
+export type Status =
+  | 'done'
+  | 'diverged'
+  | 'plugin failed'
+  | 'interrupted'
+  | 'failed'
+  | 'refused'
+  | 'crashed'
+  | 'running';
 
 export interface FieldData {
   name: string;
@@ -25,8 +33,12 @@ export interface VariantData {
   fields: FieldData[];
   probes: { columns: { name: string; unit: string }[]; rows: (number | null)[][] };
   changes: { pointer: string; value: unknown }[];
+  /** Pointers of parameters of the base scene that a changed plugin does not have. */
+  dropped?: string[];
   cost: Record<string, number | null> | null;
   parts: { step: number; time: number; where: number[]; node: number } | null;
+  /** Why it was not measured against the reference; empty or left out: it was. */
+  not_measured?: string;
   manifest: unknown;
 }
 

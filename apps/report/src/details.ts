@@ -5,21 +5,29 @@ import { cssColourOf } from './status';
 
 /** A table of the values by which the variants' scenes differ from the base scene. */
 export function changesTable(report: Report): HTMLElement | null {
-  const pointers = [
-    ...new Set(report.variants.flatMap((v) => v.data.changes.map((c) => c.pointer))),
-  ];
+  const users = new Map<string, number>();
+  for (const { data } of report.variants) {
+    for (const pointer of [...data.changes.map((c) => c.pointer), ...(data.dropped ?? [])]) {
+      users.set(pointer, (users.get(pointer) ?? 0) + 1);
+    }
+  }
+  // What many variants change comes before what makes a single one special.
+  const pointers = [...users.keys()].sort((a, b) => users.get(b)! - users.get(a)!);
   if (pointers.length === 0) return null;
   const row = (variant: Report['variants'][number]) => {
     const values = new Map(variant.data.changes.map((c) => [c.pointer, c.value]));
+    const cell = (pointer: string) => {
+      if (values.has(pointer)) {
+        return h('td', { class: 'text' }, h('code', {}, compact(values.get(pointer))));
+      }
+      const gone = variant.data.dropped?.includes(pointer);
+      return h('td', { class: 'text muted' }, gone ? 'dropped: no such parameter' : 'as the scene');
+    };
     return h(
       'tr',
       {},
       h('th', { scope: 'row' }, dot(cssColourOf(variant)), variant.name),
-      ...pointers.map((p) =>
-        values.has(p)
-          ? h('td', { class: 'text' }, h('code', {}, compact(values.get(p))))
-          : h('td', { class: 'text muted' }, 'as the scene'),
-      ),
+      ...pointers.map(cell),
     );
   };
   return h(

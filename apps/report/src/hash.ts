@@ -39,6 +39,11 @@ export function cameraFromHash(): number[] | null {
   return numbers.length === 6 && numbers.every(Number.isFinite) ? numbers : null;
 }
 
+/** Whether the address asks for the contact sheet in place of the page. */
+export function asksForSheet(): boolean {
+  return readHash().has('contact-sheet');
+}
+
 /** Keeps the address up to date, and follows it when the reader changes it. */
 export function keepHash(report: Report, fields: Fields, view: ViewStore, stage: Stage): void {
   let timer = 0;

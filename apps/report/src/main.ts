@@ -3,12 +3,12 @@ import 'uplot/dist/uPlot.min.css';
 import './style.css';
 import { api, type ReportApi } from './api';
 import { chips } from './chips';
-import { contactSheet } from './contact_sheet';
+import { contactSheet, fittingOptions } from './contact_sheet';
 import { readReport } from './contract';
 import { changesTable, details } from './details';
 import { h } from './dom';
 import { Fields } from './fields';
-import { cameraFromHash, keepHash, viewFromHash } from './hash';
+import { asksForSheet, cameraFromHash, keepHash, viewFromHash } from './hash';
 import { plots } from './plots';
 import { Report } from './report';
 import { Stage } from './stage';
@@ -60,6 +60,7 @@ function build(page: HTMLElement): void {
   keepHash(report, fields, view, stage);
   window.deformReport = api(report, fields, view, stage);
   void stage.drawn.then(() => performance.mark('first picture'));
+  if (asksForSheet()) void showSheet(report, fields, view, stage);
 }
 
 /** The 3-D views; or, where there is no WebGL, a sentence: figures and plots need none. */
@@ -84,13 +85,33 @@ async function saveSheet(
   h('a', { href, download: name }).click();
 }
 
+/** The sheet in place of the page, for who reads the document of a browser without a window. */
+async function showSheet(
+  report: Report,
+  fields: Fields,
+  view: ViewStore,
+  stage: Stage,
+): Promise<void> {
+  try {
+    const options = fittingOptions(stage.chosen);
+    const src = await contactSheet(report, fields, stage, view.now, options);
+    page.replaceChildren(h('img', { id: 'contact-sheet', alt: 'Contact sheet', src }));
+  } catch (error) {
+    page.replaceChildren(failure(error));
+  }
+}
+
+function failure(error: unknown): HTMLElement {
+  const message = error instanceof Error ? error.message : String(error);
+  return h('p', { class: 'failure', role: 'alert' }, message);
+}
+
 const page = document.getElementById('page')!;
 watchTheme();
 try {
   build(page);
 } catch (error) {
-  const message = error instanceof Error ? error.message : String(error);
-  page.replaceChildren(h('p', { class: 'failure', role: 'alert' }, message));
+  page.replaceChildren(failure(error));
   const ready = Promise.reject(error);
   ready.catch(() => {}); // whoever waits for it hears of it; nobody has to
   window.deformReport = { ready } as Partial<ReportApi> as ReportApi;

@@ -52,6 +52,10 @@ export function badge(report: Report, variant: Variant, at: number): Badge {
       ? { tone: 'bad', text: `off since ${when}`, short: 'off', title }
       : { tone: 'warning', text: `leaves at ${when}`, short: 'leaves', title };
   }
+  if (variant.data.not_measured) {
+    const title = variant.data.not_measured;
+    return { tone: 'neutral', text: 'not measured', short: 'unmeasured', title };
+  }
   if (report.reference) {
     const name = report.data.reference;
     const title = `stays with ${name} to the end`;

@@ -63,7 +63,8 @@ function best(report: Report, column: Column): number | null {
 
 export function verdictTable(report: Report): HTMLElement | null {
   const all = columns(report);
-  if (all.length === 0) return null;
+  const reasons = report.variants.filter((v) => !v.isDone && v.data.reason);
+  if (all.length === 0 && reasons.length === 0) return null;
   const bests = all.map((column) => best(report, column));
   const body = h('tbody');
   const row = (variant: Variant) => {
@@ -76,7 +77,6 @@ export function verdictTable(report: Report): HTMLElement | null {
       ...all.map((column, i) => cell(column.value(variant), bests[i])),
     );
   };
-  const reasons = report.variants.filter((v) => !v.isDone && v.data.reason);
   const order = (compare: ((a: Variant, b: Variant) => number) | null) => {
     const sorted = compare ? [...report.variants].sort(compare) : report.variants;
     body.replaceChildren(...sorted.map(row));
@@ -85,7 +85,7 @@ export function verdictTable(report: Report): HTMLElement | null {
   return h(
     'section',
     { class: 'verdict', 'aria-label': 'Verdict' },
-    h('h2', {}, 'Verdict'),
+    h('h2', {}, report.data.kind === 'run' ? 'How it went' : 'Verdict'),
     h(
       'div',
       { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Table of the verdict' },

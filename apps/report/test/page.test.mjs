@@ -11,7 +11,9 @@ import { launch, open } from './support/browser.mjs';
 import { base64, height, makeReport } from './support/generated.mjs';
 import { different, readPng } from './support/picture.mjs';
 
-const kTemplate = new URL('../dist/report.html', import.meta.url);
+const kTemplate = process.env.DEFORM_REPORT_PAGE
+  ? pathToFileURL(process.env.DEFORM_REPORT_PAGE)
+  : new URL('../dist/report.html', import.meta.url);
 let browser;
 let folder;
 
@@ -297,6 +299,39 @@ test('the contact sheet is a picture of the right size, with something in every 
       page.evaluate(() => deformReport.contactSheet({ columns: [11] })),
       /no frame 11; frames go from 0 to 10/,
     );
+  });
+});
+
+test('the address asks for the contact sheet alone', async () => {
+  await onPage(
+    makeReport({ count: 2 }),
+    async (page) => {
+      const sheet = page.locator('#page > img#contact-sheet');
+      await sheet.waitFor();
+      const picture = readPng(Buffer.from((await sheet.getAttribute('src')).split(',')[1], 'base64'));
+      assert.deepEqual([picture.width, picture.height], [190 + 5 * 400, 40 + 2 * 288 + 84]);
+      assert.equal(await page.locator('#page > *').count(), 1);
+    },
+    { hash: '#contact-sheet=1' },
+  );
+});
+
+test('variants without a shape, and a report without any, tell why', async () => {
+  const report = makeReport({ count: 3 });
+  const none = { frames: 0, positions: { min: [0, 0, 0], max: [0, 0, 0], data: '' }, fields: [] };
+  const refused = { ...none, status: 'refused', reason: 'there is no normal plugin "gaus"' };
+  Object.assign(report.variants[1], refused, { dropped: ['/energies/0/normal/delta'] });
+  report.variants[2].not_measured = 'another surface';
+  await onPage(report, async (page) => {
+    assert.match(await page.locator('.reasons').innerText(), /refused: there is no normal plugin/);
+    assert.match(await page.locator('.changes').innerText(), /dropped: no such parameter/);
+    assert.match(await page.locator('.verdict').innerText(), /not measured/);
+  });
+  const mesh = { nodes: 0, triangles: '', parameters: '' };
+  const empty = { ...report, mesh, frames: { steps: [], times: [] }, verdict: null };
+  empty.variants = report.variants.map((v) => ({ ...v, ...refused, cost: null }));
+  await onPage(empty, async (page) => {
+    assert.equal(await page.locator('.reasons li').count(), 3);
   });
 });
 

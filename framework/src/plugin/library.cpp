@@ -54,7 +54,7 @@ std::shared_ptr<dll::shared_library> open_library(const std::filesystem::path& p
     reject(path, "cannot be loaded: it " + why);
   }
   try {
-    const auto library = std::make_shared<dll::shared_library>(path, dll::load_mode::rtld_now);
+    auto library = std::make_shared<dll::shared_library>(path, dll::load_mode::rtld_now);
     keep_until_exit(library);
     return library;
   } catch (...) {

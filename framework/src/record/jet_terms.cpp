@@ -1,10 +1,19 @@
 #include "deform/record/jet_terms.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "solve/not_finite.h"
 
 namespace deform {
+namespace {
+
+/// Estimates shorter than this (a unit vector is 1, a curvature some 1/m) are the rounding of
+/// second differences, about 1e-16/h², and have no direction.
+constexpr double kShortest = 1e-9;
+
+}  // namespace
 
 std::vector<JetTermUse> jet_terms(const System& system) {
   std::vector<JetTermUse> uses;
@@ -40,6 +49,20 @@ void estimate_normals(const JetTermUse& use, const Geometry& lagged, const Geome
   if (const Index s = first_not_finite(normals); s >= 0)
     throw NotFinite("a normal that the estimator of '" + use.name + "' gives is not finite",
                     use.samples->stencil(s).nodes.front(), use.name);
+}
+
+double angle_between(const Vec3& estimate, const Vec3& other) {
+  if (estimate.norm() < kShortest || other.norm() < kShortest)
+    return std::numeric_limits<double>::quiet_NaN();
+  // Well-conditioned at any angle, unlike acos.
+  return std::atan2(estimate.cross(other).norm(), estimate.dot(other));
+}
+
+void Angles::add(double angle, double weight) {
+  if (std::isnan(angle)) return;
+  sum_ += weight * angle;
+  weight_ += weight;
+  max_ = std::max(max_, angle);
 }
 
 }  // namespace deform

@@ -8,6 +8,9 @@
 namespace deform {
 namespace {
 
+/// The step to the place behind the last item of an array (RFC 6901).
+constexpr std::string_view kBehindLast = "-";
+
 std::string escaped(std::string_view key) {
   std::string step;
   for (const char c : key) {
@@ -120,9 +123,13 @@ std::string replace_at(Json& scene, const std::string& pointer, const Json& valu
       const bool is_use = written_out != nullptr && written_out->is_object();
       if (is_use) *at = Json{{"plugin", at->get<std::string>()}};
     }
+    const bool is_last = i + 1 == steps->size();
+    if (is_last && at->is_array() && step == kBehindLast) {
+      at->push_back(value);
+      return "";
+    }
     if (child(*at, step) == nullptr) {
       if (!at->is_object()) return no_such(*at, path, step);
-      const bool is_last = i + 1 == steps->size();
       const Json full = is_last ? Json() : completed();
       const Json* const by_default = is_last ? &value : find(full, *steps, i + 1);
       if (by_default == nullptr) return no_such(*at, path, step);
@@ -133,6 +140,14 @@ std::string replace_at(Json& scene, const std::string& pointer, const Json& valu
   }
   *at = value;
   return "";
+}
+
+std::string pointer_of_put(const Json& scene, const std::string& pointer) {
+  const auto steps = pointer_steps(pointer);
+  if (!steps || steps->empty() || steps->back() != kBehindLast) return pointer;
+  const Json* const list = find(scene, *steps, steps->size() - 1);
+  const bool is_item = list != nullptr && list->is_array() && !list->empty();
+  return is_item ? child_pointer(parent_pointer(pointer), list->size() - 1) : pointer;
 }
 
 }  // namespace deform

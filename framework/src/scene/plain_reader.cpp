@@ -159,7 +159,7 @@ void note_unknown_keys(const Json& object, const std::vector<std::string>& known
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     if (problems.takes_no_more()) continue;
     const std::string rule = owner + " has no " + shown(key) + did_you_mean(key, known);
-    problems.add_at_key(child_pointer(pointer, key), rule);
+    problems.add_unknown_key(child_pointer(pointer, key), rule);
   }
 }
 

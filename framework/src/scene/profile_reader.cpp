@@ -7,7 +7,7 @@ namespace deform {
 namespace {
 
 constexpr const char* kExpected =
-    "a number, {\"ramp\": [t0, t1]}, {\"pulse\": [t0, t1]} or {\"table\": [[t, factor], ...]}";
+    R"(a number, {"ramp": [t0, t1]}, {"pulse": [t0, t1]} or {"table": [[t, factor], ...]})";
 
 using Points = std::vector<std::pair<double, double>>;
 

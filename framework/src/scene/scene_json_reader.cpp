@@ -1,8 +1,12 @@
 #include "scene/scene_json_reader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <set>
 #include <utility>
+#include <variant>
 
 #include "scene/json_pointer.h"
 #include "scene/scene_rules.h"
@@ -16,6 +20,47 @@ using Form = SceneSection::Form;
 
 /// More steps than this no computer takes; it also keeps the count within its type.
 constexpr double kMostSteps = 1e15;
+
+bool is_normal(const ParameterValue& value) {
+  const auto* use = std::get_if<PluginUse>(&value);
+  return use != nullptr && use->kind == PluginKind::normal && !use->name.empty();
+}
+
+/// Whether an energy term was given a normal estimator, or has one by default.
+bool takes_normal(const PluginUse& energy) {
+  return energy.parameters != nullptr &&
+         std::ranges::any_of(energy.parameters->entries(),
+                             [](const auto& entry) { return is_normal(entry.second); });
+}
+
+/// The energy term with another normal estimator. What is wrong with the two together is wrong with
+/// the shadow.
+PluginUse with_normal(const PluginUse& energy, const PluginUse& normal) {
+  ParameterValues values = *energy.parameters;
+  for (const auto& [name, value] : energy.parameters->entries()) {
+    if (is_normal(value)) values.set(name, normal);
+  }
+  return {energy.kind, energy.name, std::make_shared<const ParameterValues>(std::move(values)),
+          normal.pointer};
+}
+
+/// Every one of the normal estimators with every energy term that takes one.
+std::vector<ShadowUse> shadows_of(const std::vector<PluginUse>& normals,
+                                  const std::vector<PluginUse>& energies) {
+  std::vector<ShadowUse> shadows;
+  std::set<std::string> names;
+  for (const PluginUse& normal : normals) {
+    std::string name = normal.name;
+    for (int number = 2; !names.insert(name).second; ++number) {
+      name = normal.name + '_' + std::to_string(number);
+    }
+    for (std::size_t term = 0; term < energies.size(); ++term) {
+      if (!takes_normal(energies[term])) continue;
+      shadows.push_back({name, normal, term, with_normal(energies[term], normal)});
+    }
+  }
+  return shadows;
+}
 
 /// Reads the sections of a scene one by one, then makes the scene of them.
 class SectionReader {
@@ -33,6 +78,7 @@ class SectionReader {
     note_unknown_keys(json_, keys, "", "a scene", problems_);
     for (const SceneSection& section : scene_sections()) read(section);
     check_duration();
+    check_shadows();
     return problems_.empty() ? scene() : sound_parts();
   }
 
@@ -85,6 +131,7 @@ class SectionReader {
       return;
     }
     objects_[section.key] = reader_.members(object, section.fields, pointer, section.key);
+    if (!section.of_run) json_.erase(section.key);
   }
 
   void read_plugin(const SceneSection& section) {
@@ -133,6 +180,21 @@ class SectionReader {
     }
   }
 
+  void check_shadows() {
+    const std::size_t shadows = uses_["shadow"].size();
+    const auto& energies = uses_["energies"];
+    const auto terms = static_cast<std::size_t>(std::ranges::count_if(energies, takes_normal));
+    const bool terms_are_known = !problems_.any_within("/energies");
+    if (shadows > 0 && terms == 0 && terms_are_known) {
+      problems_.add("/shadow", "no energy term of this scene takes a normal estimator: there is "
+                               "nothing to shadow");
+    } else if (shadows * terms > kMostShadows) {
+      problems_.add("/shadow", "found " + std::to_string(shadows) + " shadows of " +
+                                   std::to_string(terms) + " energy terms, expected at most " +
+                                   std::to_string(kMostShadows) + " of all together");
+    }
+  }
+
   std::vector<RecorderUse> recorders(const std::string& key) {
     std::vector<RecorderUse> recorders;
     for (PluginUse& use : uses_[key]) {
@@ -157,10 +219,16 @@ class SectionReader {
     if (const auto& solver = uses_["solver"]; !solver.empty()) scene.solver = solver.front();
     scene.outputs = recorders("outputs");
     scene.probes = recorders("probes");
+    scene.shadows = shadows_of(uses_["shadow"], scene.energies);
     scene.velocity = values_.get<Vec3>("velocity");
     scene.max_distance = objects_["limits"].get<double>("distance");
     scene.checkpoint_every = objects_["checkpoint"].get<std::int64_t>("every");
     scene.checkpoint_seconds = objects_["checkpoint"].get<double>("seconds");
+    scene.reference = objects_["comparison"].get<std::string>("reference");
+    scene.base_compared = objects_["comparison"].get<bool>("base");
+    scene.tolerance = objects_["comparison"].get<double>("tolerance");
+    scene.frames_written = objects_["frames"].get<bool>("write");
+    scene.frames_every = objects_["frames"].get<std::int64_t>("every");
     scene.completed = json_.dump(2) + '\n';
     return scene;
   }
@@ -189,6 +257,9 @@ class SectionReader {
     scene.constraints = sound("constraints");
     scene.outputs = recorders_of(sound("outputs"));
     scene.probes = recorders_of(sound("probes"));
+    if (!problems_.any_within("/shadow")) {
+      scene.shadows = shadows_of(uses_["shadow"], scene.energies);
+    }
     return scene;
   }
 

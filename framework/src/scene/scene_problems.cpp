@@ -27,6 +27,11 @@ void SceneProblems::add_at_key(const std::string& pointer, const std::string& ru
   problems_.push_back({pointer, place.at, std::move(place.source), rule});
 }
 
+void SceneProblems::add_unknown_key(const std::string& pointer, const std::string& rule) {
+  unknown_keys_.push_back(pointer);
+  add_at_key(pointer, rule);
+}
+
 void SceneProblems::add_outside(const std::string& source, const std::string& rule) {
   if (!takes_no_more()) problems_.push_back({"", {}, source, rule});
 }

@@ -31,6 +31,8 @@ class SceneProblems {
   void add(const std::string& pointer, const std::string& rule);
   /// At the key of an object's member rather than at its value.
   void add_at_key(const std::string& pointer, const std::string& rule);
+  /// The same for a member that should not be there; unknown_keys() knows it then.
+  void add_unknown_key(const std::string& pointer, const std::string& rule);
   /// With something that is neither in the file nor in the scene.
   void add_outside(const std::string& source, const std::string& rule);
 
@@ -41,6 +43,7 @@ class SceneProblems {
   /// are.
   [[nodiscard]] std::vector<SceneProblem> sorted() const;
 
+  [[nodiscard]] const std::vector<std::string>& unknown_keys() const { return unknown_keys_; }
   [[nodiscard]] ScenePlaces& places() { return places_; }
 
   /// Whether there are enough: then a problem need not be put into words, and is counted by this.
@@ -50,6 +53,7 @@ class SceneProblems {
   const JsonDocument& document_;
   ScenePlaces places_;
   std::vector<SceneProblem> problems_;
+  std::vector<std::string> unknown_keys_;
   std::size_t unlisted_ = 0;
 };
 

@@ -222,8 +222,12 @@ class SceneDocument {
     for (const Replacement& replacement : replacements) {
       apply_replacement(json, replacement, problems);
     }
+    std::vector<std::string> dropped = drop_parameters(json, replacements);
     Reading reading{read_scene_json(json, registry_, folder_, problems), problems.sorted()};
     Scene& scene = reading.scene;
+    scene.changes = changes_of(variant);
+    scene.changes.insert(scene.changes.end(), replacements.begin(), replacements.end());
+    scene.dropped = std::move(dropped);
     scene.file = file_;
     scene.variant = variant;
     for (const auto& [name, changes] : variants_) scene.variants.push_back(name);
@@ -239,7 +243,7 @@ class SceneDocument {
       const std::string source = child_pointer(pointer, change.key());
       const std::string why = apply(json, change.key(), change.value());
       if (why.empty()) {
-        problems.places().moved(change.key(), source);
+        problems.places().moved(pointer_of_put(json, change.key()), source);
       } else {
         problems.add_at_key(source, why);
       }
@@ -247,15 +251,48 @@ class SceneDocument {
   }
 
   void apply_replacement(Json& json, const Replacement& replacement, SceneProblems& problems) {
-    const std::string source = "--set " + replacement.pointer;
     const auto value = replacement_value(replacement.value);
     const std::string why =
         !value ? "the value is not UTF-8" : apply(json, replacement.pointer, *value);
     if (why.empty()) {
-      problems.places().moved_from_outside(replacement.pointer, source);
+      const std::string pointer = pointer_of_put(json, replacement.pointer);
+      problems.places().moved_from_outside(pointer, replacement.source + ' ' + pointer);
     } else {
-      problems.add_outside(source, why);
+      problems.add_outside(replacement.source + ' ' + replacement.pointer, why);
     }
+  }
+
+  /// Removes the members that are unknown to a plugin which a replacement put in, and returns their
+  /// pointers. A reading that is thrown away tells which these are.
+  std::vector<std::string> drop_parameters(Json& json,
+                                           const std::vector<Replacement>& replacements) {
+    std::vector<std::string> owners, dropped;
+    for (const Replacement& replacement : replacements) {
+      if (replacement.drops_parameters && replacement.pointer.ends_with("/plugin")) {
+        owners.push_back(parent_pointer(replacement.pointer));
+      }
+    }
+    if (owners.empty()) return dropped;
+    SceneProblems ignored(document_);
+    Json copy = json;
+    (void)read_scene_json(copy, registry_, folder_, ignored);
+    for (const std::string& unknown : ignored.unknown_keys()) {
+      if (std::ranges::find(owners, parent_pointer(unknown)) == owners.end()) continue;
+      json[Json::json_pointer(parent_pointer(unknown))].erase(pointer_steps(unknown)->back());
+      dropped.push_back(unknown);
+    }
+    return dropped;
+  }
+
+  [[nodiscard]] std::vector<Replacement> changes_of(const std::string& variant) const {
+    std::vector<Replacement> all;
+    for (const auto& [name, changes] : variants_) {
+      if (name != variant) continue;
+      for (const auto& change : changes.items()) {
+        all.push_back({change.key(), change.value().dump(), false, "variant"});
+      }
+    }
+    return all;
   }
 
   std::string apply(Json& json, const std::string& pointer, const Json& value) {
@@ -282,6 +319,11 @@ class SceneDocument {
 }  // namespace
 
 long Scene::steps() const { return std::lround(duration / step); }
+
+long Scene::frame_interval() const {
+  constexpr long kFrames = 100;
+  return frames_every > 0 ? frames_every : std::max(1L, (steps() + kFrames - 1) / kFrames);
+}
 
 Problem Scene::located(Problem problem) const {
   std::string front = (place ? place(problem.pointer) : file.string()) + ": ";

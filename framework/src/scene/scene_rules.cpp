@@ -64,6 +64,34 @@ struct CheckpointRules {
   }
 };
 
+struct FrameRules {
+  bool write = Scene{}.frames_written;
+  std::int64_t every = Scene{}.frames_every;
+  static void declare(Declaration<FrameRules>& d) {
+    d("write", &FrameRules::write, "",
+      "whether states are recorded for the report and for comparisons, in trajectory.bin");
+    d("every", &FrameRules::every, "steps",
+      "a frame whenever so many are done; 0: about a hundred a run")
+        .at_least(0);
+  }
+};
+
+struct ComparisonRules {
+  std::string reference = Scene{}.reference;
+  double tolerance = Scene{}.tolerance;
+  bool base = Scene{}.base_compared;
+  static void declare(Declaration<ComparisonRules>& d) {
+    d("reference", &ComparisonRules::reference, "",
+      "the variant that the others are measured against, or refined: the scene on a grid twice as "
+      "fine with a quarter of the step");
+    d("tolerance", &ComparisonRules::tolerance, "sizes of the surface",
+      "the distance from the reference at which a variant parts from it")
+        .above(0);
+    d("base", &ComparisonRules::base, "",
+      "whether the unchanged scene is a run, too, where there are variants");
+  }
+};
+
 SceneSection value(ParameterFields fields) {
   const std::string key = fields.front().name;
   return {key, Form::value, {}, fields.front().required, std::move(fields)};
@@ -79,6 +107,11 @@ SceneSection plugin(PluginKind kind, bool required) {
 
 SceneSection plugins(const std::string& key, PluginKind kind) {
   return {key, Form::plugins, kind, false, {}};
+}
+
+SceneSection of_comparison(SceneSection section) {
+  section.of_run = false;
+  return section;
 }
 
 SceneSection other(const std::string& key, Form form) { return {key, form, {}, false, {}}; }
@@ -101,9 +134,11 @@ const std::vector<SceneSection>& scene_sections() {
       plugin(PluginKind::solver, false),
       object("limits", fields_of<Limits>()),
       object("checkpoint", fields_of<CheckpointRules>()),
+      object("frames", fields_of<FrameRules>()),
       plugins("outputs", PluginKind::output),
       plugins("probes", PluginKind::probe),
-      other("shadow", Form::reserved),
+      plugins("shadow", PluginKind::normal),
+      of_comparison(object("comparison", fields_of<ComparisonRules>())),
       other("variants", Form::variants),
   };
   return sections;

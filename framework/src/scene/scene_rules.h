@@ -23,11 +23,13 @@ struct SceneSection {
   PluginKind kind{};       ///< of plugin and plugins
   bool required = false;   ///< of plugin; a value's field says it itself
   ParameterFields fields;  ///< of value and object
+  bool of_run = true;      ///< part of what is run: not so what only a comparison looks at
 };
 
 /// More than these nobody writes by hand, and a program that does has made a mistake.
 inline constexpr std::size_t kMostPlugins = 1000;  ///< in one list
 inline constexpr std::size_t kMostVariants = 1000;
+inline constexpr std::size_t kMostShadows = 1000;  ///< shadows times energy terms that they are of
 
 /// All keys of a scene, in the order in which a completed scene has them. The only place that says
 /// which there are.

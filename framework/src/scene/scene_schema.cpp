@@ -117,7 +117,7 @@ Json changes_schema() {
     const std::string pointer = '/' + section.key;
     changes["properties"][pointer] = section_schema(section);
     if (section.form == Form::plugins) {
-      changes["patternProperties"]["^" + pointer + "/[0-9]+$"] = kind_reference(section.kind);
+      changes["patternProperties"]["^" + pointer + "/([0-9]+|-)$"] = kind_reference(section.kind);
     }
     if (section.form != Form::object) continue;
     for (const ParameterField& field : section.fields) {

@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <Eigen/Core>
@@ -24,10 +25,6 @@
 namespace deform {
 namespace {
 
-std::string utc_now() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-}
-
 std::string host_name() {
   std::array<char, 256> name{};
   return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
@@ -38,6 +35,12 @@ int threads() {
   const auto allowed =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   return std::min(static_cast<int>(allowed), tbb::this_task_arena::max_concurrency());
+}
+
+/// Largest resident memory of this process so far [MB].
+double peak_memory() {
+  rusage usage{};
+  return ::getrusage(RUSAGE_SELF, &usage) == 0 ? static_cast<double>(usage.ru_maxrss) / 1024 : 0;
 }
 
 Json versions() {
@@ -62,6 +65,10 @@ Json describe(const LoadedPlugin& plugin) {
 
 }  // namespace
 
+std::string utc_now() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
 const char* status_of(ExitCode code) {
   switch (code) {
     case ExitCode::done:
@@ -77,6 +84,10 @@ const char* status_of(ExitCode code) {
   }
 }
 
+std::string planned_manifest() {
+  return Json({{"program", "deform"}, {"version", version()}, {"status", kPlanned}}).dump(2) + '\n';
+}
+
 Manifest::Manifest(const Scene& scene, const PluginRegistry& registry, const RunOptions& options) {
   // "program" is what makes the folder known as one of deform's: has_manifest().
   json_["program"] = "deform";
@@ -85,6 +96,7 @@ Manifest::Manifest(const Scene& scene, const PluginRegistry& registry, const Run
   json_["exit_code"] = nullptr;
   json_["reason"] = "";
   json_["title"] = scene.title;
+  json_["variant"] = scene.variant;
   json_["scene"] = std::filesystem::absolute(scene.file).string();
   json_["command_line"] = options.command_line;
   json_["started"] = utc_now();
@@ -122,6 +134,8 @@ void Manifest::finish(const RunResult& result, const std::string& solver_choice)
   json_["solver"] = solver_choice;
   json_["steps"] = result.steps;
   json_["wall_seconds"] = result.wall_seconds;
+  json_["steps_timed"] = result.steps - result.resumed_after;
+  json_["peak_memory_MB"] = peak_memory();
   const StepTimes& t = result.times;
   json_["seconds"] = {
       {"all_steps", result.stepping_seconds}, {"geometry", t.geometry}, {"assembly", t.assembly},

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "deform/simulation/run.h"
 
@@ -9,8 +10,13 @@
 
 namespace deform {
 
-/// "done", "diverged", "plugin failed", "interrupted" or "failed".
-[[nodiscard]] const char* status_of(ExitCode code);
+/// The time of day, UTC: "2024-05-06T07:08:09Z".
+[[nodiscard]] std::string utc_now();
+
+/// The status of a run that has not begun: its folder is there, and its scene.
+inline constexpr const char* kPlanned = "planned";
+/// What makes such a folder known as one of deform's, as text.
+[[nodiscard]] std::string planned_manifest();
 
 /// Written when a run starts, with the status "running", and again when it ends.
 class Manifest {

@@ -53,6 +53,7 @@ std::vector<const LoadedPlugin*> plugins_used(const Scene& scene, const PluginRe
   collector.add(solver_uses(scene, registry).uses);
   collector.add(scene.outputs);
   collector.add(scene.probes);
+  for (const ShadowUse& shadow : scene.shadows) collector.add(shadow.normal);
   return collector.found();
 }
 

@@ -40,6 +40,11 @@ ProbeRecorder::ProbeRecorder(const std::vector<RecorderUse>& uses, PartMaker& ma
   }
 }
 
+void ProbeRecorder::add(Named<Probe> probe, std::string pointer) {
+  const long every = probes_.empty() ? 1 : 0;
+  probes_.push_back({std::move(probe), every, std::move(pointer)});
+}
+
 void ProbeRecorder::begin(const RunContext& context) {
   std::vector<Problem> problems;
   for (Entry& entry : probes_) {
@@ -120,14 +125,14 @@ void ProbeRecorder::measure(const Entry& entry, const Frame& frame) {
 
 bool ProbeRecorder::due(long step) const {
   return std::any_of(probes_.begin(), probes_.end(),
-                     [step](const Entry& entry) { return step % entry.every == 0; });
+                     [step](const Entry& entry) { return is_due(entry, step); });
 }
 
 void ProbeRecorder::record(const Frame& frame, bool all) {
   if (frame.step == last_row_ || !(all || frame.step == 0 || due(frame.step))) return;
   std::fill(row_.begin(), row_.end(), kNoFigure);
   for (const Entry& entry : probes_) {
-    if (all || frame.step % entry.every == 0) measure(entry, frame);
+    if (all || entry.every == 0 || is_due(entry, frame.step)) measure(entry, frame);
   }
   table_->append(frame.step, frame.state.time, row_);
   last_row_ = frame.step;

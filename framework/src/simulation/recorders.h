@@ -21,6 +21,10 @@ class ProbeRecorder {
   /// Makes the probes; problems are left with the maker.
   ProbeRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker, const Setup& setup);
 
+  /// Adds a probe that no plugin made, which the scene asks for at `pointer`. It measures whenever
+  /// another one does; where there is none, at every step.
+  void add(Named<Probe> probe, std::string pointer);
+
   /// Begins the probes, whose columns are known then. Throws InputError for what a probe rejects.
   void begin(const RunContext& context);
   /// Starts the file, or goes on after its first `keep` bytes.
@@ -47,10 +51,13 @@ class ProbeRecorder {
  private:
   struct Entry {
     Named<Probe> probe;
-    long every = 1;
+    long every = 1;  // 0: with any other
     std::string pointer;
     std::size_t first = 0, size = 0;  // its columns
   };
+  [[nodiscard]] static bool is_due(const Entry& entry, long step) {
+    return entry.every > 0 && step % entry.every == 0;
+  }
   void measure(const Entry& entry, const Frame& frame);
 
   std::vector<Entry> probes_;

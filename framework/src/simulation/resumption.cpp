@@ -8,6 +8,7 @@
 #include "deform/error.h"
 
 #include "simulation/files.h"
+#include "simulation/manifest.h"
 #include "simulation/run_directory.h"
 
 namespace deform {
@@ -81,7 +82,9 @@ Resumption look_for_run(const fs::path& folder, const Scene& scene) {
   Resumption found;
   check_run_directory(folder, true);
   found.manifest = parsed(read_file(folder / "manifest.json"));
-  const bool done = found.manifest.is_object() && found.manifest.value("status", Json()) == "done";
+  const Json status = found.manifest.is_object() ? found.manifest.value("status", Json()) : Json();
+  const bool done = status == "done";
+  found.planned = status == kPlanned;
   const std::optional<std::string> there = read_file(folder / "scene.json");
   if (there) {
     refuse_other_scene(folder, *there, scene);

@@ -14,6 +14,7 @@ namespace deform {
 
 struct Resumption {
   bool finished = false;                 ///< the scene's run is there, to its end
+  bool planned = false;                  ///< nothing is there yet but the scene
   std::optional<Checkpoint> checkpoint;  ///< none: the run starts anew
   Json manifest;                         ///< of the run so far; null where there is none
 };

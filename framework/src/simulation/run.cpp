@@ -12,6 +12,7 @@
 
 #include "deform/log.h"
 
+#include "record/trajectory_writer.h"
 #include "scene/json.h"
 #include "simulation/checkpoint.h"
 #include "simulation/files.h"
@@ -27,6 +28,16 @@
 namespace deform {
 namespace {
 
+/// Where a checkpoint keeps how long the trajectory was.
+constexpr const char* kTrajectoryBytes = "trajectory/bytes";
+
+std::size_t trajectory_bytes(const Checkpoint& checkpoint) {
+  const double bytes = checkpoint.memory.get(kTrajectoryBytes, 1).front();
+  if (!(bytes > 0 && bytes < 0x1p53))
+    throw InputError("its length of the trajectory is not one");
+  return static_cast<std::size_t>(bytes);
+}
+
 /// One run from its first to its last file.
 class Recording {
  public:
@@ -39,11 +50,13 @@ class Recording {
   void load_checkpoint();
   void prepare_folder();
   void start();
+  void open_trajectory();
   void step_to_end();
   /// What comes between two steps. Returns whether there is a next one.
   [[nodiscard]] bool settle();
   void save_checkpoint();
   void record(bool all_probes, bool all_outputs);
+  [[nodiscard]] bool frame_due(long step) const;
   /// Calls action(frame); what it makes the System compute counts as output, not as the model's
   /// time.
   template <class Action>
@@ -70,6 +83,7 @@ class Recording {
   RunParts parts_;
   std::optional<RunContext> context_;
   Manifest manifest_;
+  std::optional<TrajectoryWriter> trajectory_;
   CheckpointSchedule schedule_;
   long checkpoint_step_ = -1;  // of the checkpoint in the folder
   std::optional<Diverged> divergence_;
@@ -98,6 +112,7 @@ void Recording::load_checkpoint() {
     if (parts_.simulation->steps() != checkpoint.step)
       throw InputError("its numbers of steps are two");
     parts_.probes->load(checkpoint.memory);
+    if (scene_.frames_written) (void)trajectory_bytes(checkpoint);
   } catch (const InputError& e) {
     throw InputError(
         fmt::format("cannot resume from {}: {}", checkpoint_file(folder_).string(), e.what()));
@@ -122,7 +137,7 @@ RunResult Recording::execute() {
     log::info(fmt::format("resumed after step {}", checkpoint_step_));
     manifest_.resume(checkpoint_step_, found_.manifest);
     manifest_.write(folder_);
-  } else if (options_.resume) {
+  } else if (options_.resume && !found_.planned) {
     log::warn(fmt::format("there is no checkpoint in {}: the run starts anew", folder_.string()));
   }
   write_atomically(folder_ / "scene.json", scene_.completed);
@@ -146,8 +161,15 @@ RunResult Recording::execute() {
 void Recording::start() {
   parts_.probes->open(folder_ / "probes.csv",
                       found_.checkpoint ? found_.checkpoint->table_bytes : 0);
+  if (scene_.frames_written) open_trajectory();
   parts_.outputs->begin(*context_);
   if (found_.checkpoint) parts_.outputs->load(found_.checkpoint->memory);
+}
+
+void Recording::open_trajectory() {
+  const std::size_t keep = found_.checkpoint ? trajectory_bytes(*found_.checkpoint) : 0;
+  Simulation& simulation = *parts_.simulation;
+  trajectory_.emplace(folder_ / kTrajectoryFile, simulation.system(), simulation.size(), keep);
 }
 
 void Recording::step_to_end() {
@@ -188,6 +210,9 @@ void Recording::save_checkpoint() {
   save_section(simulation, "simulation", checkpoint.memory);
   parts_.probes->save(checkpoint.memory);
   parts_.outputs->save(checkpoint.memory);
+  if (trajectory_) {
+    checkpoint.memory.put(kTrajectoryBytes, {static_cast<double>(trajectory_->sync())});
+  }
   write_checkpoint(folder_, checkpoint);
   checkpoint_step_ = checkpoint.step;
   schedule_.restart();
@@ -207,13 +232,19 @@ void Recording::apart_from_model(const Action& action) {
   frame.system.times().output += seconds() - before;
 }
 
+bool Recording::frame_due(long step) const {
+  return trajectory_.has_value() && step % scene_.frame_interval() == 0;
+}
+
 void Recording::record(bool all_probes, bool all_outputs) {
   const long step = parts_.simulation->steps();
-  const bool due = step == 0 || parts_.probes->due(step) || parts_.outputs->due(step);
+  const bool due =
+      step == 0 || parts_.probes->due(step) || parts_.outputs->due(step) || frame_due(step);
   if (!due && !all_probes && !all_outputs) return;
   apart_from_model([&](const Frame& frame) {
     parts_.probes->record(frame, all_probes);
     parts_.outputs->record(frame, all_outputs);
+    if (trajectory_ && (all_outputs || frame_due(frame.step))) trajectory_->record(frame);
   });
 }
 

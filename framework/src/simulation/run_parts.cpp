@@ -5,6 +5,7 @@
 #include "deform/simulation/run.h"
 
 #include "simulation/part_maker.h"
+#include "simulation/shadow_probe.h"
 
 namespace deform {
 
@@ -26,6 +27,7 @@ RunParts make_run_parts(const Scene& scene, const std::shared_ptr<const PluginRe
   if (surface != nullptr) {
     const Setup setup = maker.setup(*surface, surface->rest());
     parts.probes.emplace(scene.probes, maker, setup);
+    add_shadows(scene, *registry, maker, setup, *parts.probes);
     parts.outputs.emplace(scene.outputs, maker, setup);
   }
   maker.throw_problems();
@@ -58,7 +60,8 @@ std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginReg
     (void)maker.make_all<EnergyTerm>(scene.energies, setup);
     (void)maker.make_all<ForceField>(scene.forces, setup);
     (void)maker.make_all<Constraint>(scene.constraints, setup);
-    const ProbeRecorder probes(scene.probes, maker, setup);
+    ProbeRecorder probes(scene.probes, maker, setup);
+    add_shadows(scene, registry, maker, setup, probes);
     const OutputRecorder outputs(scene.outputs, maker, setup);
   }
   return maker.problems();

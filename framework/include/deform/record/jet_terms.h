@@ -29,4 +29,21 @@ struct JetTermUse {
 DEFORM_API void estimate_normals(const JetTermUse& use, const Geometry& lagged, const Geometry& now,
                                  Pair ij, NodeVectors& normals);
 
+/// Directed angle [rad] between an estimated normal and another (0 to π: one on the wrong side of the
+/// surface is wrong by more than π/2); NaN where one of them has no direction.
+[[nodiscard]] DEFORM_API double angle_between(const Vec3& estimate, const Vec3& other);
+
+/// Weighted mean and maximum of angles [rad].
+class DEFORM_API Angles {
+ public:
+  /// Passes over an angle that is NaN.
+  void add(double angle, double weight);
+  [[nodiscard]] bool none() const { return !(weight_ > 0); }
+  [[nodiscard]] double mean() const { return sum_ / weight_; }
+  [[nodiscard]] double max() const { return max_; }
+
+ private:
+  double sum_ = 0, weight_ = 0, max_ = 0;
+};
+
 }  // namespace deform

@@ -39,6 +39,9 @@ struct RunResult {
       0;  ///< of wall_seconds: from the first step to the last, recording included
 };
 
+/// How a run ended: "done", "diverged", "plugin failed", "interrupted" or "failed".
+[[nodiscard]] DEFORM_API const char* status_of(ExitCode code);
+
 /// Makes everything that a run of the scene is made of, runs nothing and writes nothing. Throws
 /// InputError with every problem found, as `run` would before it writes anything.
 DEFORM_API void check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry);

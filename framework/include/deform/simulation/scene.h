@@ -14,10 +14,29 @@
 
 namespace deform {
 
+/// A value to put at a JSON pointer before the scene is checked (`--set`); the text is JSON, else a
+/// string. A pointer that ends with /- puts it behind the last item of a list.
+struct Replacement {
+  std::string pointer;
+  std::string value;
+  /// Where another plugin is put in (/…/plugin), parameters that it does not have are dropped
+  /// rather than refused: what was said to the one before.
+  bool drops_parameters = false;
+  std::string source = "--set";  ///< who says so, for messages
+};
+
 /// An output or probe and how often it is due.
 struct RecorderUse {
   PluginUse use;
   long every = 1;  ///< steps
+};
+
+/// A normal estimator that is evaluated beside an energy term's own, on the same states.
+struct ShadowUse {
+  std::string name;      ///< the estimator's, unique among the scene's shadows: "gauss_2"
+  PluginUse normal;      ///< the estimator
+  std::size_t term = 0;  ///< number of the term within the scene's energies
+  PluginUse energy;      ///< the term with this estimator in place of its own
 };
 
 /// A scene with defaults filled in; every plugin that it names exists and every parameter is in
@@ -34,27 +53,29 @@ struct DEFORM_API Scene {
   double duration = 0;              ///< [s]
   std::optional<PluginUse> solver;  ///< none: chosen by the matrix' properties
   std::vector<RecorderUse> outputs, probes;
+  std::vector<ShadowUse> shadows;     ///< of each estimator, one a term that takes one
   Vec3 velocity = Vec3::Zero();       ///< of every free node at first [m/s]
   double max_distance = 10;           ///< diverged beyond it, in sizes of the surface
   long checkpoint_every = 0;          ///< steps between checkpoints; 0: not by steps
   double checkpoint_seconds = 30;     ///< time between checkpoints [s]; 0: not by time
+  bool frames_written = true;         ///< whether there is a trajectory.bin
+  long frames_every = 0;              ///< steps between its frames; 0: see frame_interval
+  std::string reference = "base";     ///< of comparisons: a variant's name, or "refined"
+  bool base_compared = true;          ///< of comparisons: whether the base is one of the runs
+  double tolerance = 0.01;  ///< of comparisons: distance at which variants part, in sizes
   std::vector<std::string> variants;  ///< names in the order of the file; without "base"
+  std::vector<Replacement> changes;   ///< made to the base: the variant's, then replacements
+  std::vector<std::string> dropped;   ///< pointers of parameters that Replacement dropped
   std::string completed;              ///< the scene as JSON text with every default written out
 
   /// Where the value at a JSON pointer was written: "FILE:LINE:COLUMN" or "--set POINTER".
   std::function<std::string(const std::string& pointer)> place;
 
   [[nodiscard]] long steps() const;  ///< duration / step, rounded
+  [[nodiscard]] long frame_interval() const;  ///< steps between frames: about a hundred, if unsaid
   /// A problem that shows only when the scene's parts are made, with its place in front of the
   /// message as the problems of the reader have it.
   [[nodiscard]] Problem located(Problem problem) const;
-};
-
-/// A value to put at a JSON pointer before the scene is checked (`--set`); the text is JSON, else a
-/// string.
-struct Replacement {
-  std::string pointer;
-  std::string value;
 };
 
 /// Reads and checks a scene. Throws InputError with every problem of the file, each with

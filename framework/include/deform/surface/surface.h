@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "deform/plugin/descriptor.h"
@@ -44,6 +45,12 @@ class DEFORM_API Surface : public Plugin {
   /// Nodes of a part of the boundary or of a corner, ascending; empty for a name that is not one.
   [[nodiscard]] virtual std::vector<Index> boundary(const std::string& name) const = 0;
   [[nodiscard]] virtual std::vector<Index> corner(const std::string& name) const = 0;
+
+  /// What to change in a scene for the same surface with nodes twice as close: pointers below the
+  /// surface ("/nodes") and JSON values. Empty where the surface cannot say.
+  [[nodiscard]] virtual std::vector<std::pair<std::string, std::string>> refinement() const {
+    return {};
+  }
 };
 
 /// Nodes that a selection takes, ascending, each once; throws InputError when none, or a name is

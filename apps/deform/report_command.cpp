@@ -1,0 +1,29 @@
+#include "report_command.h"
+
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "deform/error.h"
+#include "deform/log.h"
+#include "deform/report/report.h"
+
+namespace deform::app {
+
+int write_reports(const std::filesystem::path& folder, bool png) {
+  fmt::print("{}\n", write_report(folder).string());
+  if (png) fmt::print("{}\n", write_contact_sheet(folder).string());
+  return static_cast<int>(ExitCode::done);
+}
+
+std::string add_report(const std::filesystem::path& folder) {
+  if (find_report_page().empty()) return "none: its page was not built (deform report says more)";
+  try {
+    return write_report(folder).string();
+  } catch (const std::exception& e) {
+    log::warn(fmt::format("no report.html: {}", e.what()));
+    return "none";
+  }
+}
+
+}  // namespace deform::app

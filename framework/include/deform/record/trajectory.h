@@ -1,0 +1,82 @@
+/// Trajectories: the recorded states of a run, which comparisons and reports are made of.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "deform/export.h"
+#include "deform/surface/surface.h"
+#include "deform/types.h"
+
+namespace deform {
+
+/// Its name within a run directory.
+inline constexpr const char* kTrajectoryFile = "trajectory.bin";
+
+/// A number a node, recorded with the positions.
+struct TrajectoryField {
+  /// How its numbers are to be read: from zero up, on both sides of zero, or as numbers of labels.
+  enum class Scale : std::uint8_t { sequential, diverging, categorical };
+  std::string name;  ///< "B_11", "energy density, bending"
+  std::string unit;
+  Scale scale = Scale::sequential;
+  std::vector<std::string> labels{};  ///< of categorical ones
+};
+
+/// The surface that a trajectory is of.
+struct TrajectoryMesh {
+  Eigen::MatrixX2d parameters;  ///< (N × 2) (a1, a2) [m]
+  NodeValues areas;             ///< (N) parameter area of each node [m²]
+  Faces faces;
+  double size = 0;  ///< largest side of the rest state's bounding box [m]
+};
+
+/// A recorded state: steps done, time [s].
+struct Moment {
+  long step = 0;
+  double time = 0;
+};
+
+/// Reads trajectory.bin of a run directory; frames are read when they are asked for.
+///
+/// The file, little-endian: the line "deform trajectory 1", the length of what follows up to the
+/// mesh (8 bytes), JSON with the numbers of nodes, faces and corners, `size` and `fields`; the mesh:
+/// parameters (all a1, all a2), areas, the faces' `begin` and `nodes` (int32); then the frames: step
+/// (int64), time, positions (all x, all y, all z; doubles), and a float a node for each field.
+class DEFORM_API Trajectory {
+ public:
+  /// Throws InputError naming the file and the reason when it is not there or not a trajectory. A
+  /// last frame that is cut off does not count.
+  explicit Trajectory(std::filesystem::path file);
+
+  [[nodiscard]] const TrajectoryMesh& mesh() const { return mesh_; }
+  [[nodiscard]] const std::vector<TrajectoryField>& fields() const { return fields_; }
+  /// In ascending order.
+  [[nodiscard]] const std::vector<Moment>& moments() const { return moments_; }
+  [[nodiscard]] std::size_t frames() const { return moments_.size(); }
+  /// (N × 3) [m]. Throws Error when the file cannot be read any more.
+  [[nodiscard]] NodeVectors positions(std::size_t frame) const;
+  /// (N) in the field's unit; not finite where there is no figure.
+  [[nodiscard]] std::vector<float> field(std::size_t frame, std::size_t field) const;
+
+ private:
+  void read_header();
+  void read_mesh(std::size_t faces, std::size_t corners);
+  void find_moments();
+  void read(std::size_t at, void* to, std::size_t bytes) const;
+  [[nodiscard]] std::size_t nodes() const { return static_cast<std::size_t>(mesh_.areas.size()); }
+  [[nodiscard]] std::size_t frame_bytes() const;
+
+  std::filesystem::path path_;
+  mutable std::ifstream file_;
+  TrajectoryMesh mesh_;
+  std::vector<TrajectoryField> fields_;
+  std::vector<Moment> moments_;
+  std::size_t first_frame_ = 0;  // bytes before it
+};
+
+}  // namespace deform

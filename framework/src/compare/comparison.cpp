@@ -1,0 +1,134 @@
+#include "deform/compare/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "deform/error.h"
+#include "deform/log.h"
+
+#include "compare/comparison_files.h"
+#include "compare/expectation.h"
+#include "compare/figures.h"
+#include "compare/verdict.h"
+#include "simulation/files.h"
+#include "simulation/run_directory.h"
+
+namespace deform {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder that is to be resumed in must be a comparison's, or not be there.
+void check_resumable(const fs::path& folder) {
+  if (!fs::exists(folder)) return;
+  const auto text = read_file(folder / "manifest.json");
+  const Json manifest = text ? Json::parse(*text, nullptr, false) : Json();
+  if (!manifest.is_object() || manifest.value("kind", Json()) != "comparison")
+    throw InputError(fmt::format("cannot resume in '{}': it is not a comparison directory",
+                                 folder.string()));
+}
+
+std::vector<std::string> names_of(const ComparisonPlan& plan) {
+  std::vector<std::string> names;
+  for (const PlannedRun& run : plan.runs) names.push_back(run.name);
+  return names;
+}
+
+std::size_t number_of_reference(const ComparisonPlan& plan) {
+  return static_cast<std::size_t>(
+      std::ranges::find(plan.runs, plan.reference, &PlannedRun::name) - plan.runs.begin());
+}
+
+/// Size of the surface [m]: the reference's, or that of any run that has states.
+double surface_size(const std::vector<MeasuredRun>& measured, std::size_t reference) {
+  if (measured[reference].recorded.trajectory)
+    return measured[reference].recorded.trajectory->mesh().size;
+  for (const MeasuredRun& run : measured)
+    if (run.recorded.trajectory) return run.recorded.trajectory->mesh().size;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<MeasuredRun> measure(const ComparisonPlan& plan, const fs::path& folder) {
+  const std::size_t reference = number_of_reference(plan);
+  std::vector<MeasuredRun> measured(plan.runs.size());
+  tbb::parallel_for(std::size_t{0}, measured.size(), [&](std::size_t i) {
+    measured[i].recorded = read_run(folder / plan.runs[i].name);
+    if (i == reference) return;
+    // Each has the reference to itself: a trajectory is read by one thread at a time.
+    const RecordedRun other = read_run(folder / plan.runs[reference].name);
+    measured[i].differences = differences(measured[i].recorded, other);
+  });
+  return measured;
+}
+
+Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan,
+                    std::vector<RunOutcome> outcomes, const std::vector<MeasuredRun>& measured) {
+  const std::size_t reference = number_of_reference(plan);
+  Comparison comparison;
+  comparison.reference = plan.reference;
+  comparison.tolerance = options.request.tolerance > 0
+                             ? options.request.tolerance
+                             : plan.runs.front().scene.tolerance * surface_size(measured, reference);
+  for (std::size_t i = 0; i < plan.runs.size(); ++i) {
+    RunComparison run;
+    run.name = plan.runs[i].name;
+    run.outcome = std::move(outcomes[i]);
+    run.dropped = plan.runs[i].scene.dropped;
+    run.is_reference = i == reference;
+    const RunDifferences& different = measured[i].differences;
+    if (!run.is_reference) run.impossible = different.impossible;
+    if (const Difference* at = different.parting(comparison.tolerance))
+      run.parting = Parting{at->moment.step, at->moment.time, at->where, at->node, at->max};
+    run.figures = figures_of(measured[i].recorded, different, run.parting, run.outcome);
+    run.ms_per_step = ms_per_step(measured[i].recorded);
+    comparison.runs.push_back(std::move(run));
+  }
+  return comparison;
+}
+
+}  // namespace
+
+double RunComparison::figure(const std::string& wanted) const {
+  const auto found = std::ranges::find(figures, wanted, &Figure::name);
+  return found == figures.end() ? std::numeric_limits<double>::quiet_NaN() : found->value;
+}
+
+Comparison compare(const ComparisonOptions& options,
+                   const std::shared_ptr<const PluginRegistry>& registry) {
+  const fs::path& folder = options.runner.folder;
+  if (options.runner.resume) {
+    check_resumable(folder);
+  } else {
+    check_run_directory(folder, options.force);
+  }
+  const ComparisonPlan plan = plan_comparison(options.request, registry);
+  std::vector<std::string> claims;
+  if (!options.expectation.empty()) claims = read_claims(options.expectation, names_of(plan));
+
+  if (!options.runner.resume || !fs::exists(folder)) make_run_directory(folder);
+  // First: from here on the folder is known as a comparison's.
+  write_atomically(folder / "manifest.json", manifest_json(options, plan, "running"));
+  for (const PlannedRun& run : plan.runs)
+    for (const std::string& pointer : run.scene.dropped)
+      log::info(fmt::format("{}: {} is dropped: the plugin put in has no such parameter", run.name,
+                            pointer));
+
+  std::vector<RunOutcome> outcomes = execute_runs(plan.runs, *registry, options.runner);
+  const std::vector<MeasuredRun> measured = measure(plan, folder);
+  Comparison comparison = conclude(options, plan, std::move(outcomes), measured);
+  comparison.sentences = sentences_of(comparison);
+  comparison.claims = check_claims(claims, comparison.runs);
+
+  write_atomically(folder / "comparison.csv", comparison_csv(comparison, measured));
+  write_atomically(folder / "cost.csv", cost_csv(comparison, measured));
+  write_atomically(folder / "summary.json", summary_json(comparison, plan));
+  write_atomically(folder / "manifest.json", manifest_json(options, plan, "done"));
+  return comparison;
+}
+
+}  // namespace deform

@@ -1,0 +1,156 @@
+#include "compare/expectation.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include "deform/error.h"
+
+#include "scene/json_document.h"
+#include "scene/json_pointer.h"
+#include "scene/nearest_name.h"
+#include "scene/scene_problems.h"
+
+namespace deform {
+namespace {
+
+/// A claim with the figures that it names replaced by variables, which have simpler names.
+struct Formula {
+  std::string text;
+  std::vector<std::pair<std::string, std::string>> figures;  // of each variable: run, figure
+};
+
+bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+std::string variable(std::size_t i) { return "figure" + std::to_string(i); }
+
+/// The run whose name and a dot stand at the beginning; of several the longest: names may hold dots
+/// and signs.
+std::string run_at(std::string_view text, const std::vector<std::string>& runs) {
+  std::string longest;
+  for (const std::string& run : runs) {
+    if (text.starts_with(run + ".") && run.size() > longest.size()) longest = run;
+  }
+  return longest;
+}
+
+Formula formula_of(const std::string& claim, const std::vector<std::string>& runs) {
+  Formula formula;
+  for (std::size_t i = 0; i < claim.size();) {
+    const bool starts = i == 0 || !(is_word(claim[i - 1]) || claim[i - 1] == '.');
+    const std::string run = starts ? run_at(std::string_view(claim).substr(i), runs) : "";
+    if (run.empty()) {
+      formula.text += claim[i++];
+      continue;
+    }
+    std::size_t end = i += run.size() + 1;
+    while (end < claim.size() && (is_word(claim[end]) || claim[end] == '.')) ++end;
+    formula.text += variable(formula.figures.size());
+    formula.figures.emplace_back(run, claim.substr(i, end - i));
+    i = end;
+  }
+  return formula;
+}
+
+/// The formula's value for these values of its variables. Throws mu::ParserError.
+double evaluate(const Formula& formula, std::vector<double> values) {
+  mu::Parser parser;
+  for (std::size_t i = 0; i < values.size(); ++i) parser.DefineVar(variable(i), &values[i]);
+  parser.SetExpr(formula.text);
+  return parser.Eval();
+}
+
+/// Why a claim is none; nothing if it is one.
+std::optional<std::string> objection(const std::string& claim,
+                                     const std::vector<std::string>& runs) {
+  const Formula formula = formula_of(claim, runs);
+  try {
+    (void)evaluate(formula, std::vector<double>(formula.figures.size(), 1.0));
+  } catch (const mu::ParserError& e) {
+    std::string why = e.GetMsg();
+    const std::string token = e.GetToken();
+    const std::string word = token.substr(0, token.find('.'));
+    if (!word.empty() && is_word(word.front())) {
+      why = fmt::format("\"{}\" is no run{}", word, did_you_mean(word, runs));
+    }
+    return fmt::format("found \"{}\", expected a formula over RUN.FIGURE: {}", claim, why);
+  }
+  const bool compares = claim.find_first_of("<>") != std::string::npos ||
+                        claim.find("==") != std::string::npos ||
+                        claim.find("!=") != std::string::npos;
+  if (!compares || formula.figures.empty())
+    return fmt::format("found \"{}\", expected a comparison (<, <=, >, >=, ==, !=) of at least one "
+                       "RUN.FIGURE",
+                       claim);
+  return std::nullopt;
+}
+
+std::string number_text(double value) { return fmt::format("{:.6g}", value); }
+
+}  // namespace
+
+std::vector<std::string> read_claims(const std::filesystem::path& file,
+                                     const std::vector<std::string>& runs) {
+  const JsonDocument document = JsonDocument::read(file);
+  SceneProblems problems(document);
+  std::vector<Problem> found;
+  for (const JsonProblem& problem : document.problems())
+    found.push_back(to_problem(to_scene_problem(problem, document.name())));
+  if (!found.empty()) throw InputError(std::move(found));
+
+  std::vector<std::string> claims;
+  const Json& root = document.root();
+  const bool right = root.is_object() && root.size() == 1 && root.contains("claims") &&
+                     root["claims"].is_array() && !root["claims"].empty();
+  if (!right)
+    problems.add("", R"(expected {"claims": ["RUN.FIGURE < RUN.FIGURE", …]} and nothing else)");
+  for (std::size_t i = 0; right && i < root["claims"].size(); ++i) {
+    const Json& claim = root["claims"][i];
+    const std::string pointer = child_pointer("/claims", i);
+    if (!claim.is_string()) {
+      problems.add(pointer, "found " + claim.dump() + ", expected text");
+      continue;
+    }
+    claims.push_back(claim.get<std::string>());
+    if (const auto why = objection(claims.back(), runs)) problems.add(pointer, *why);
+  }
+  for (const SceneProblem& problem : problems.sorted()) found.push_back(to_problem(problem));
+  if (!found.empty()) throw InputError(std::move(found));
+  return claims;
+}
+
+std::vector<Claim> check_claims(const std::vector<std::string>& claims,
+                                const std::vector<RunComparison>& runs) {
+  std::vector<std::string> names;
+  for (const RunComparison& run : runs) names.push_back(run.name);
+  std::vector<Claim> checked;
+  for (const std::string& text : claims) {
+    const Formula formula = formula_of(text, names);
+    std::vector<double> values;
+    Claim claim{text, true, ""};
+    for (const auto& [name, figure] : formula.figures) {
+      const auto run = std::ranges::find(runs, name, &RunComparison::name);
+      values.push_back(run->figure(figure));
+      const std::string separator = claim.explanation.empty() ? "" : ", ";
+      if (std::isnan(values.back())) {
+        std::vector<std::string> known;
+        for (const Figure& f : run->figures) known.push_back(f.name);
+        claim.holds = false;
+        claim.explanation += fmt::format("{}{}.{} is missing{}", separator, name, figure,
+                                         did_you_mean(figure, known));
+      } else {
+        claim.explanation +=
+            fmt::format("{}{}.{} = {}", separator, name, figure, number_text(values.back()));
+      }
+    }
+    claim.holds = claim.holds && evaluate(formula, values) != 0;
+    checked.push_back(std::move(claim));
+  }
+  return checked;
+}
+
+}  // namespace deform

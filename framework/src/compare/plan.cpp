@@ -1,0 +1,225 @@
+#include "deform/compare/plan.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deform/error.h"
+#include "deform/simulation/run.h"
+
+#include "compare/run_names.h"
+#include "scene/nearest_name.h"
+#include "scene/scene_problems.h"
+#include "simulation/part_maker.h"
+
+namespace deform {
+namespace {
+
+constexpr const char* kBase = "base";
+constexpr const char* kVary = "--vary";
+
+/// A grid's cell: its name, and what it puts where.
+struct Cell {
+  std::string name;
+  std::vector<Replacement> replacements;
+};
+
+std::vector<Cell> grid_of(const std::vector<Variation>& variations) {
+  const auto labels = value_labels(variations);
+  std::vector<Cell> cells{{}};
+  for (std::size_t v = 0; v < variations.size(); ++v) {
+    std::vector<Cell> finer;
+    for (const Cell& cell : cells) {
+      for (std::size_t i = 0; i < variations[v].values.size(); ++i) {
+        Cell next = cell;
+        next.name += (next.name.empty() ? "" : "+") + labels[v][i];
+        next.replacements.push_back({variations[v].pointer, variations[v].values[i], true, kVary});
+        finer.push_back(std::move(next));
+      }
+    }
+    cells = std::move(finer);
+  }
+  return cells;
+}
+
+/// Reads what a comparison needs of one scene, and gathers what is wrong with it.
+class Planner {
+ public:
+  Planner(const ComparisonRequest& request, std::shared_ptr<const PluginRegistry> registry)
+      : request_(request), registry_(std::move(registry)) {}
+
+  ComparisonPlan plan() {
+    const std::vector<Scene> written = read_variants(request_.scene, *registry_);
+    const std::vector<std::string> variants = chosen_variants(written);
+    plan_runs(variants);
+    throw_problems();
+    ComparisonPlan plan;
+    plan.base = written.front().completed;
+    plan.reference = choose_reference(written.front());
+    plan.runs = std::move(runs_);
+    make_parts(plan);
+    return plan;
+  }
+
+ private:
+  void throw_problems() const {
+    if (!problems_.empty()) throw InputError(problems_);
+  }
+
+  std::vector<std::string> chosen_variants(const std::vector<Scene>& written) {
+    std::vector<std::string> all;
+    for (const Scene& scene : written) all.push_back(scene.variant);
+    if (request_.variants.empty()) {
+      if (!request_.variations.empty()) return {kBase};
+      if (all.size() > 1 && !written.front().base_compared) all.erase(all.begin());
+      return all;
+    }
+    std::vector<std::string> chosen;
+    for (const std::string& name : request_.variants) {
+      if (std::ranges::find(all, name) == all.end()) {
+        problems_.push_back({"/variants", fmt::format("--variants: {} has no variant \"{}\"{}",
+                                                      request_.scene.string(), name,
+                                                      did_you_mean(name, all))});
+      } else if (std::ranges::find(chosen, name) == chosen.end()) {
+        chosen.push_back(name);
+      }
+    }
+    return chosen;
+  }
+
+  void plan_runs(const std::vector<std::string>& variants) {
+    const std::vector<Cell> grid = grid_of(request_.variations);
+    if (variants.size() * grid.size() > kMostRuns)
+      throw InputError(fmt::format("{} runs are too many to compare, expected at most {}",
+                                   variants.size() * grid.size(), kMostRuns));
+    for (const std::string& variant : variants) {
+      for (const Cell& cell : grid) {
+        const bool named = cell.name.empty() || variants.size() > 1 || variant != kBase;
+        std::string name = named ? variant : "";
+        if (!cell.name.empty()) name += (name.empty() ? "" : "+") + cell.name;
+        plan_run(name, variant, cell.replacements);
+      }
+    }
+  }
+
+  void plan_run(const std::string& name, const std::string& variant,
+                const std::vector<Replacement>& varied) {
+    std::vector<Replacement> all = request_.replacements;
+    all.insert(all.end(), varied.begin(), varied.end());
+    try {
+      runs_.push_back({name, read_scene(request_.scene, *registry_, all, variant)});
+    } catch (const InputError& e) {
+      for (const Problem& problem : e.problems()) {
+        if (problems_.size() >= SceneProblems::kMost) return;
+        if (said_.insert(problem.message).second) problems_.push_back(problem);
+      }
+    }
+  }
+
+  std::string choose_reference(const Scene& base) {
+    const bool asked = !request_.reference.empty();
+    const std::string wanted = asked ? request_.reference : base.reference;
+    if (wanted == kRefined || wanted.starts_with(std::string(kRefined) + ':')) {
+      return plan_refined(wanted);
+    }
+    std::vector<std::string> names;
+    for (const PlannedRun& run : runs_) names.push_back(run.name);
+    if (std::ranges::find(names, wanted) != names.end()) return wanted;
+    // The scene's reference need not be among what was chosen of it: then what is nearest to it.
+    if (!asked && !(request_.variants.empty() && request_.variations.empty())) {
+      const auto unchanged = std::ranges::find_if(
+          runs_, [&](const PlannedRun& run) { return run.scene.completed == base.completed; });
+      return unchanged == runs_.end() ? names.front() : unchanged->name;
+    }
+    throw InputError(fmt::format("{} names no run: \"{}\"{}",
+                                 asked ? "--reference" : "/comparison/reference of the scene",
+                                 wanted, did_you_mean(wanted, names)));
+  }
+
+  /// The same scene with nodes twice as close and a quarter of the step: errors of the first order
+  /// in h and in the step are a half and a quarter then.
+  std::string plan_refined(const std::string& wanted) {
+    const std::size_t colon = wanted.find(':');
+    const std::string of = colon == std::string::npos ? kBase : wanted.substr(colon + 1);
+    const Scene scene = read_scene(request_.scene, *registry_, request_.replacements, of);
+    std::vector<Replacement> finer = request_.replacements;
+    const auto put = [&finer](const std::string& pointer, const std::string& value) {
+      finer.push_back({pointer, value, false, "--reference refined"});
+    };
+    for (const auto& [pointer, value] : refinement_of(scene)) put("/surface" + pointer, value);
+    put("/integrator/step", fmt::format("{}", scene.step / 4));
+    put("/frames", fmt::format(R"({{"every": {}}})", 4 * scene.frame_interval()));
+    for (std::size_t i = 0; i < scene.probes.size(); ++i)
+      put(scene.probes[i].use.pointer + "/every", fmt::format("{}", 4 * scene.probes[i].every));
+    put("/outputs", "[]");
+    runs_.push_back({kRefined, read_scene(request_.scene, *registry_, finer, of)});
+    return kRefined;
+  }
+
+  std::vector<std::pair<std::string, std::string>> refinement_of(const Scene& scene) {
+    PartMaker maker(scene, registry_);
+    const auto surface = maker.make<Surface>(scene.surface, maker.setup());
+    maker.throw_problems();
+    auto changes = surface->object->refinement();
+    if (changes.empty())
+      throw InputError(fmt::format("--reference refined: {} cannot be refined", surface->origin));
+    return changes;
+  }
+
+  void make_parts(ComparisonPlan& plan) {
+    std::vector<Problem> problems;
+    for (PlannedRun& run : plan.runs) {
+      try {
+        check(run.scene, registry_);
+      } catch (const Error& e) {
+        run.refused = e.what();
+        run.plugin_failed = e.code() == ExitCode::plugin_failed;
+        if (const auto* bad = dynamic_cast<const InputError*>(&e)) {
+          problems.insert(problems.end(), bad->problems().begin(), bad->problems().end());
+        }
+      }
+    }
+    const bool all = std::ranges::all_of(plan.runs, [](const auto& r) { return !r.refused.empty(); });
+    if (all && !problems.empty()) throw InputError(std::move(problems));
+  }
+
+  const ComparisonRequest& request_;
+  std::shared_ptr<const PluginRegistry> registry_;
+  std::vector<PlannedRun> runs_;
+  std::vector<Problem> problems_;
+  std::set<std::string> said_;  // what runs share is said once
+};
+
+}  // namespace
+
+std::vector<std::string> split_values(const std::string& text) {
+  std::vector<std::string> values{""};
+  int depth = 0;
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '\\' && i + 1 < text.size()) {
+      values.back() += c;
+      values.back() += text[++i];
+      continue;
+    }
+    if (c == '"') quoted = !quoted;
+    if (!quoted && (c == '[' || c == '{')) ++depth;
+    if (!quoted && (c == ']' || c == '}')) --depth;
+    if (c == ',' && !quoted && depth == 0) {
+      values.emplace_back();
+    } else {
+      values.back() += c;
+    }
+  }
+  return values;
+}
+
+ComparisonPlan plan_comparison(const ComparisonRequest& request,
+                               const std::shared_ptr<const PluginRegistry>& registry) {
+  return Planner(request, registry).plan();
+}
+
+}  // namespace deform

@@ -1,0 +1,187 @@
+#include "deform/compare/runner.h"
+
+#include <algorithm>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <mutex>
+#include <numeric>
+#include <set>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deform/error.h"
+
+#include "compare/child_process.h"
+#include "scene/json.h"
+#include "simulation/files.h"
+#include "simulation/manifest.h"
+#include "simulation/plugins_used.h"
+#include "simulation/run_directory.h"
+#include "simulation/sha256.h"
+
+namespace deform {
+namespace {
+
+namespace fs = std::filesystem;
+
+Json read_json(const fs::path& file) {
+  const auto text = read_file(file);
+  return text ? Json::parse(*text, nullptr, false) : Json();
+}
+
+/// Hashes of the plugin files that a run would use, and did use.
+std::set<std::string> hashes_now(const Scene& scene, const PluginRegistry& registry) {
+  std::set<std::string> hashes;
+  for (const LoadedPlugin* plugin : plugins_used(scene, registry))
+    hashes.insert(sha256_of_file(plugin->file().path));
+  return hashes;
+}
+
+std::set<std::string> hashes_then(const Json& manifest) {
+  std::set<std::string> hashes;
+  for (const Json& plugin : manifest.value("plugins", Json::array()))
+    hashes.insert(plugin.value("sha256", ""));
+  return hashes;
+}
+
+/// What a run directory has of a planned run.
+enum class Found : std::uint8_t { nothing, begun, complete };
+
+Found look_for(const PlannedRun& run, const fs::path& folder, const PluginRegistry& registry) {
+  const Json manifest = read_json(folder / "manifest.json");
+  const auto scene = read_file(folder / "scene.json");
+  if (!manifest.is_object() || scene != run.scene.completed) return Found::nothing;
+  if (hashes_then(manifest) != hashes_now(run.scene, registry)) return Found::nothing;
+  const auto status = manifest.value("status", "");
+  // A divergence is a result, which comes again; a plugin may have failed for another reason.
+  const bool complete = status == "done" || status == "diverged";
+  return complete && fs::exists(folder / "summary.json") ? Found::complete : Found::begun;
+}
+
+RunOutcome outcome_of(const fs::path& folder, const ChildExit& exit) {
+  RunOutcome outcome;
+  const Json summary = read_json(folder / "summary.json");
+  if (exit.signal != 0) {
+    outcome.status = "crashed";
+    outcome.reason = fmt::format("the program was killed by signal {} ({})", exit.signal,
+                                 ::strsignal(exit.signal));
+    if (!exit.said.empty()) outcome.reason += ": " + exit.said.substr(0, exit.said.find('\n'));
+  } else if (summary.is_object() && summary.contains("status")) {
+    outcome.status = summary["status"].get<std::string>();
+    outcome.reason = summary.value("reason", "");
+  } else {
+    outcome.status = exit.code == static_cast<int>(ExitCode::bad_input) ? "refused" : "failed";
+    outcome.reason = exit.said.substr(0, exit.said.find_last_not_of('\n') + 1);
+  }
+  return outcome;
+}
+
+/// Takes runs from a list, a worker thread and a process each.
+class Runner {
+ public:
+  Runner(const std::vector<PlannedRun>& runs, const PluginRegistry& registry,
+         const RunnerOptions& options)
+      : runs_(runs), registry_(registry), options_(options), outcomes_(runs.size()) {
+    steps_done_.resize(runs.size());
+    for (const PlannedRun& run : runs) total_steps_ += run.scene.steps();
+  }
+
+  std::vector<RunOutcome> execute() {
+    std::vector<std::thread> workers;
+    const auto jobs = std::min(static_cast<std::size_t>(std::max(options_.jobs, 1)), runs_.size());
+    for (std::size_t i = 0; i < jobs; ++i) workers.emplace_back([this] { work(); });
+    for (std::thread& worker : workers) worker.join();
+    if (failure_) std::rethrow_exception(failure_);
+    if (interrupted()) throw Error(ExitCode::interrupted, "interrupted; --resume goes on from there");
+    return std::move(outcomes_);
+  }
+
+ private:
+  [[nodiscard]] bool interrupted() const {
+    return options_.interrupted != nullptr && options_.interrupted->load();
+  }
+
+  void work() {
+    for (std::size_t i = next_++; i < runs_.size() && !failed_ && !interrupted(); i = next_++) {
+      try {
+        outcomes_[i] = run(i);
+        report(i, runs_[i].scene.steps());
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        if (!failed_.exchange(true)) failure_ = std::current_exception();
+      }
+    }
+  }
+
+  RunOutcome run(std::size_t i) {
+    const PlannedRun& planned = runs_[i];
+    const fs::path folder = options_.folder / planned.name;
+    if (!planned.refused.empty()) {
+      return {planned.plugin_failed ? status_of(ExitCode::plugin_failed) : "refused",
+              planned.refused};
+    }
+    Found found = Found::nothing;
+    if (options_.resume) found = look_for(planned, folder, registry_);
+    if (found == Found::complete) {
+      RunOutcome outcome = outcome_of(folder, {});
+      outcome.reused = true;
+      return outcome;
+    }
+    if (found == Found::nothing) {
+      fs::remove_all(folder);
+      make_run_directory(folder);
+      write_atomically(folder / "manifest.json", planned_manifest());
+      write_atomically(folder / "scene.json", planned.scene.completed);
+    } else {
+      fs::remove(folder / "summary.json");  // not that of a run that ends without one
+    }
+    return outcome_of(folder, run_child(options_.program.string(), arguments(folder),
+                                        [&](const std::string& line) { return take(i, line); },
+                                        options_.interrupted));
+  }
+
+  [[nodiscard]] std::vector<std::string> arguments(const fs::path& folder) const {
+    std::vector<std::string> all{"run",    (folder / "scene.json").string(), "--out",
+                                 folder.string(), "--resume", "--part-of-comparison"};
+    all.insert(all.end(), options_.arguments.begin(), options_.arguments.end());
+    return all;
+  }
+
+  /// "progress DONE": steps done.
+  bool take(std::size_t i, const std::string& line) {
+    constexpr std::string_view kProgress = "progress ";
+    if (!line.starts_with(kProgress)) return false;
+    report(i, std::strtol(line.c_str() + kProgress.size(), nullptr, 10));
+    return true;
+  }
+
+  void report(std::size_t i, long steps) {
+    const std::lock_guard lock(mutex_);
+    steps_done_[i] = steps;
+    if (options_.progress)
+      options_.progress(std::accumulate(steps_done_.begin(), steps_done_.end(), 0L), total_steps_);
+  }
+
+  const std::vector<PlannedRun>& runs_;
+  const PluginRegistry& registry_;
+  const RunnerOptions& options_;
+  std::vector<RunOutcome> outcomes_;
+  std::atomic<std::size_t> next_ = 0;
+  std::atomic<bool> failed_ = false;
+  std::exception_ptr failure_;
+  std::mutex mutex_;
+  std::vector<long> steps_done_;
+  long total_steps_ = 0;
+};
+
+}  // namespace
+
+std::vector<RunOutcome> execute_runs(const std::vector<PlannedRun>& runs,
+                                     const PluginRegistry& registry, const RunnerOptions& options) {
+  return Runner(runs, registry, options).execute();
+}
+
+}  // namespace deform

@@ -1,0 +1,101 @@
+#include "record/node_fields.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace deform {
+namespace {
+
+using Scale = TrajectoryField::Scale;
+
+/// A field's name, with the term's where there is more than one that it could be of.
+std::string named(const std::string& field, const JetTermUse& use, bool alone) {
+  return alone ? field : field + ", " + use.name;
+}
+
+bool has_branches(const JetTermUse& use) {
+  return use.term->normal() != nullptr && !use.term->normal()->branches().empty();
+}
+
+}  // namespace
+
+NodeFields::NodeFields(const System& system) : terms_(jet_terms(system)) {
+  std::erase_if(terms_, [](const JetTermUse& use) { return !use.samples->samples_are_nodes(); });
+  const SampleSet& bending = system.surface().samples(SampleRole::bending);
+  if (bending.samples_are_nodes()) curved_ = &bending;
+  if (curved_ != nullptr) {
+    for (const char* name : {"B_11", "B_12", "B_22"})
+      fields_.push_back({name, "1/m", Scale::diverging});
+  }
+  const auto with_normal = std::ranges::count_if(
+      terms_, [](const JetTermUse& use) { return use.term->normal() != nullptr; });
+  for (const JetTermUse& use : terms_) {
+    fields_.push_back({"energy density, " + use.name, "J/m²", Scale::sequential});
+    if (use.term->normal() == nullptr) continue;
+    fields_.push_back({named("normal angle", use, with_normal == 1), "rad", Scale::sequential});
+    if (has_branches(use)) {
+      fields_.push_back({named("branch", use, with_normal == 1), "", Scale::categorical,
+                         use.term->normal()->branches()});
+    }
+  }
+  values_.resize(fields_.size());
+}
+
+const std::vector<std::vector<float>>& NodeFields::evaluate(const Frame& frame) {
+  auto next = values_.begin();
+  const auto put = [&next](const auto& values) {
+    next->assign(values.begin(), values.end());
+    ++next;
+  };
+  if (curved_ != nullptr) {
+    for (const Pair ij : kPairs) put(frame.system.geometry(*curved_).all().B(ij));
+  }
+  for (const JetTermUse& use : terms_) {
+    put(frame.system.energy_density(use.number));
+    if (use.term->normal() == nullptr) continue;
+    add_angles(use, frame, *next++);
+    if (has_branches(use)) add_branches(use, frame, *next++);
+  }
+  return values_;
+}
+
+/// The largest of the angles between n_ij and n, over the pairs that exist: coefficients of the
+/// previous state on the present jets, as the step had them; at first there is no previous state.
+void NodeFields::add_angles(const JetTermUse& use, const Frame& frame, std::vector<float>& values) {
+  const Geometry& now = frame.system.geometry(*use.samples);
+  const Geometry& lagged = frame.step == 0 ? now : frame.system.previous_geometry(*use.samples);
+  const ConstVectors n = now.all().n();
+  values.assign(static_cast<std::size_t>(now.size()), std::numeric_limits<float>::quiet_NaN());
+  for (const Pair ij : kPairs) {
+    estimate_normals(use, lagged, now, ij, estimates_);
+    for (Index s = 0; s < now.size(); ++s) {
+      const double angle = angle_between(estimates_.row(s), n[s]);
+      float& value = values[static_cast<std::size_t>(s)];
+      if (!std::isnan(angle)) value = std::fmax(value, static_cast<float>(angle));
+    }
+  }
+}
+
+/// The branch of the pair whose second derivative exists and whose branch has the highest number.
+void NodeFields::add_branches(const JetTermUse& use, const Frame& frame,
+                              std::vector<float>& values) {
+  const Geometry& now = frame.system.geometry(*use.samples);
+  values.assign(static_cast<std::size_t>(now.size()), std::numeric_limits<float>::quiet_NaN());
+  std::array<std::uint8_t, kBlock> branch{};
+  for (Index first = 0; first < now.size(); first += kBlock) {
+    const Index size = std::min(kBlock, now.size() - first);
+    for (const Pair ij : kPairs) {
+      use.term->normal()->branch(now.block(first, size), ij,
+                                 {branch.data(), static_cast<std::size_t>(size)});
+      for (Index i = 0; i < size; ++i) {
+        if (!use.samples->computable(second(ij), first + i)) continue;
+        float& value = values[static_cast<std::size_t>(first + i)];
+        value = std::fmax(value, static_cast<float>(branch[static_cast<std::size_t>(i)]));
+      }
+    }
+  }
+}
+
+}  // namespace deform

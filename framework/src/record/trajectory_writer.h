@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "deform/record/frame.h"
+
+#include "record/node_fields.h"
+#include "simulation/files.h"
+
+namespace deform {
+
+/// Writes trajectory.bin: positions and fields of every recorded state.
+class TrajectoryWriter {
+ public:
+  /// Starts the file, or goes on after the first `keep` bytes of the one that is there. `size`: of
+  /// the surface [m]. Throws Error when the file cannot be written.
+  TrajectoryWriter(const std::filesystem::path& file, const System& system, double size,
+                   std::size_t keep);
+
+  /// Appends a frame, unless this step was the last to be recorded. It is in the file when the call
+  /// returns.
+  void record(const Frame& frame);
+  /// Has all frames put on disk; returns the size of the file. Throws Error when it cannot.
+  [[nodiscard]] std::size_t sync();
+
+ private:
+  [[nodiscard]] std::string header(const Surface& surface, double size) const;
+
+  NodeFields fields_;
+  AppendFile file_;
+  std::string frame_;
+  long last_ = -1;  // step
+};
+
+}  // namespace deform

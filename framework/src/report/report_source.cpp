@@ -1,0 +1,141 @@
+#include "report/report_source.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "deform/error.h"
+
+#include "simulation/files.h"
+#include "simulation/run_directory.h"
+
+namespace deform {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The object in a JSON file; null where there is none.
+Json object_in(const fs::path& file) {
+  const auto text = read_file(file);
+  if (!text) return {};
+  Json json = Json::parse(*text, nullptr, false, true);
+  return json.is_object() ? json : Json();
+}
+
+std::string text_of(const Json& object, const char* key, const std::string& otherwise = "") {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : otherwise;
+}
+
+Json value_of(const Json& object, const char* key, Json otherwise = nullptr) {
+  const auto found = object.find(key);
+  return found != object.end() ? *found : otherwise;
+}
+
+/// "2026-01-31T12:00:00Z" as people read it; anything else as it is.
+std::string readable(std::string time) {
+  if (time.size() == 20 && time[10] == 'T' && time[19] == 'Z')
+    return fmt::format("{} {} UTC", time.substr(0, 10), time.substr(11, 5));
+  return time;
+}
+
+void add_recorded(ReportVariant& variant, std::vector<std::string>& notes) {
+  RecordedRun run = read_variant(variant.folder, notes);
+  variant.probe_rows = run.probes.moments.size();
+  variant.probe_columns = run.probes.names.size() + 2;
+  if (run.trajectory) {
+    variant.moments = run.trajectory->moments();
+    variant.fields = run.trajectory->fields();
+  }
+}
+
+ReportVariant single_variant(const fs::path& folder, const Json& manifest) {
+  ReportVariant variant;
+  variant.folder = folder;
+  variant.name = fs::absolute(folder).lexically_normal().filename().string();
+  if (variant.name.empty()) variant.name = "run";
+  variant.status = text_of(manifest, "status", "failed");
+  variant.reason = text_of(manifest, "reason");
+  if (variant.status == "running")
+    variant.reason = "the run goes on, or was killed: it has not said how it ended";
+  return variant;
+}
+
+ReportSource read_run_source(const fs::path& folder, const Json& manifest) {
+  ReportSource source;
+  source.kind = "run";
+  source.title = text_of(manifest, "title", "run");
+  source.created = readable(text_of(manifest, "started"));
+  source.scene = object_in(folder / "scene.json");
+  source.variants.push_back(single_variant(folder, manifest));
+  return source;
+}
+
+ReportVariant compared_variant(const fs::path& folder, const Json& said) {
+  ReportVariant variant;
+  variant.name = text_of(said, "name");
+  // A summary that somebody wrote must not make the report read files from elsewhere.
+  const fs::path name = fs::path(text_of(said, "folder", variant.name)).filename();
+  variant.folder = folder / name;
+  variant.status = text_of(said, "status", "failed");
+  variant.reason = text_of(said, "reason");
+  variant.changes = value_of(said, "changes", Json::array());
+  variant.dropped = value_of(said, "dropped", Json::array());
+  variant.parts = value_of(said, "parts");
+  variant.not_measured = text_of(said, "not_measured");
+  return variant;
+}
+
+ReportSource read_comparison_source(const fs::path& folder, const Json& summary,
+                                    const Json& manifest) {
+  ReportSource source;
+  source.kind = "comparison";
+  source.title = text_of(summary, "title", "comparison");
+  source.created = readable(text_of(summary, "created", text_of(manifest, "written")));
+  source.scene = value_of(summary, "scene");
+  source.reference = value_of(summary, "reference");
+  source.tolerance = value_of(summary, "tolerance");
+  source.verdict = value_of(summary, "verdict");
+  for (const Json& said : value_of(summary, "variants", Json::array())) {
+    if (said.is_object()) source.variants.push_back(compared_variant(folder, said));
+  }
+  const bool is_one = std::ranges::any_of(
+      source.variants, [&](const ReportVariant& v) { return source.reference == v.name; });
+  if (!is_one) source.reference = nullptr;
+  return source;
+}
+
+}  // namespace
+
+RecordedRun read_variant(const fs::path& folder, std::vector<std::string>& notes) {
+  try {
+    return read_run(folder);
+  } catch (const InputError& e) {
+    notes.push_back(fmt::format("nothing is shown of {}: {}", folder.string(), e.what()));
+  }
+  RecordedRun run;
+  run.folder = folder;
+  run.manifest = object_in(folder / "manifest.json");
+  return run;
+}
+
+ReportSource read_report_source(const fs::path& folder) {
+  const Json summary = object_in(folder / "summary.json");
+  const Json manifest = object_in(folder / "manifest.json");
+  const bool is_comparison = text_of(summary, "kind") == "comparison";
+  if (!is_comparison && text_of(manifest, "kind") == "comparison") {
+    throw InputError(fmt::format(
+        "the comparison in '{}' has not come to its end: deform compare --resume goes on with it",
+        folder.string()));
+  }
+  if (!is_comparison && !has_manifest(folder)) {
+    throw InputError(fmt::format(
+        "'{}' is neither a run directory nor a comparison directory of deform", folder.string()));
+  }
+  ReportSource source = is_comparison ? read_comparison_source(folder, summary, manifest)
+                                      : read_run_source(folder, manifest);
+  for (ReportVariant& variant : source.variants) add_recorded(variant, source.notes);
+  return source;
+}
+
+}  // namespace deform

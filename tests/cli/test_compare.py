@@ -1,0 +1,368 @@
+"""What `deform compare` promises: rows for whatever happens, the same bytes however it is run."""
+
+import csv
+import json
+import math
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+PROGRAM = os.environ["DEFORM_PROGRAM"]
+SCENES = Path(os.environ["DEFORM_SCENES"])
+FIXTURES = os.environ["DEFORM_FIXTURE_PLUGINS"]
+TIMEOUT = 240  # seconds
+
+
+def sheet(**changes):
+    """Paper pressed at its centre, in three estimators."""
+    scene = {
+        "title": "Sheet of a test",
+        "surface": {"plugin": "grid", "nodes": [9, 9], "size": [1.0, 1.0],
+                    "differences": "forward", "border": "paper", "weights": "equal"},
+        "material": {"density": 0.1, "damping": 1.0},
+        "energies": [
+            {"plugin": "stretching", "eta": 0.01},
+            {"plugin": "bending", "xi": 1e-6, "form": "divergence",
+             "normal": {"plugin": "gauss", "delta": 0.5}},
+        ],
+        "forces": [{"plugin": "point_load", "force": [0, 0, -0.01],
+                    "where": {"centre": [0.5, 0.5], "radius": 0.13}}],
+        "constraints": [{"plugin": "pin", "where": {"boundary": "all"}}],
+        "integrator": {"plugin": "semi_implicit", "step": 0.02},
+        "duration": 0.4,
+        "probes": ["lowest", "mirror_asymmetry", "in_plane_displacement", "flatness"],
+        "variants": {
+            "exact": {"/energies/1/normal": "exact"},
+            "terzopoulos": {"/energies/1/normal": "terzopoulos"},
+        },
+    }
+    scene.update(changes)
+    return scene
+
+
+class CompareTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="deform_compare_"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def write(self, scene, name="scene.json"):
+        file = self.folder / name
+        file.write_text(json.dumps(scene))
+        return file
+
+    def compare(self, scene, *arguments, code=0, out="c"):
+        """Runs it and returns what it said, and the comparison's folder."""
+        file = scene if isinstance(scene, Path) else self.write(scene)
+        folder = self.folder / out
+        done = subprocess.run([PROGRAM, "compare", file, "--out", folder, *arguments],
+                              capture_output=True, text=True, timeout=TIMEOUT)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done, folder
+
+    @staticmethod
+    def summary(folder):
+        return json.loads((folder / "summary.json").read_text())
+
+    def figures(self, folder):
+        """{run: {figure: value}}"""
+        return {run["name"]: {name: figure["value"] for name, figure in run["figures"].items()}
+                for run in self.summary(folder)["variants"]}
+
+    @staticmethod
+    def rows(folder):
+        with open(folder / "comparison.csv", newline="") as file:
+            return list(csv.DictReader(file))
+
+
+class Results(CompareTest):
+    def test_folder_and_table(self):
+        done, folder = self.compare(sheet())
+        for name in ("base", "exact", "terzopoulos"):
+            self.assertTrue((folder / name / "probes.csv").is_file())
+            self.assertIn(name, done.stdout)
+        names = {entry.name for entry in folder.iterdir()}
+        self.assertLessEqual({"comparison.csv", "cost.csv", "summary.json", "manifest.json"}, names)
+        self.assertNotIn("progress", done.stdout)
+
+    def test_rows_say_what_the_trajectories_say(self):
+        """Independently from probes: the lowest node of either run is in the rows' difference."""
+        _, folder = self.compare(sheet())
+
+        def lowest(run):
+            with open(folder / run / "probes.csv", newline="") as file:
+                return {row["step"]: float(row["lowest [m]"]) for row in csv.DictReader(file)}
+
+        base = lowest("base")
+        rows = self.rows(folder)
+        self.assertEqual(len(rows), 2 * 21)
+        for row in rows:
+            expected = lowest(row["run"])[row["step"]] - base[row["step"]]
+            self.assertEqual(float(row["difference of lowest [m]"]), expected)
+            self.assertLessEqual(float(row["rms [m]"]), float(row["max [m]"]))
+            self.assertLessEqual(float(row["hausdorff [m]"]), float(row["max [m]"]) * (1 + 1e-12))
+
+    def test_same_scene_has_no_difference(self):
+        _, folder = self.compare(sheet(variants={"same": {}}))
+        for row in self.rows(folder):
+            self.assertEqual([float(row[name]) for name in ("rms [m]", "max [m]", "hausdorff [m]")],
+                             [0, 0, 0])
+        self.assertIsNone(self.summary(folder)["variants"][1]["parts"])
+
+    def test_parting_is_the_first_row_beyond_the_tolerance(self):
+        _, folder = self.compare(sheet(), "--tolerance", "1e-5")
+        summary = self.summary(folder)
+        self.assertEqual(summary["tolerance"], {"value": 1e-5, "unit": "m"})
+        for run in summary["variants"][1:]:
+            beyond = [row for row in self.rows(folder)
+                      if row["run"] == run["name"] and float(row["max [m]"]) > 1e-5]
+            if not beyond:
+                self.assertIsNone(run["parts"])
+                continue
+            self.assertEqual(run["parts"]["step"], int(beyond[0]["step"]))
+            self.assertEqual(run["parts"]["node"], int(beyond[0]["node"]))
+            self.assertEqual(run["parts"]["where"],
+                             [float(beyond[0]["a1 [m]"]), float(beyond[0]["a2 [m]"])])
+
+    def test_order_and_base(self):
+        _, folder = self.compare(sheet(comparison={"base": False, "reference": "exact"}))
+        summary = self.summary(folder)
+        self.assertEqual([run["name"] for run in summary["variants"]], ["exact", "terzopoulos"])
+        self.assertEqual(summary["reference"], "exact")
+        _, folder = self.compare(sheet(), "--variants", "terzopoulos,base", "--force")
+        self.assertEqual([run["name"] for run in self.summary(folder)["variants"]],
+                         ["terzopoulos", "base"])
+
+
+class Failures(CompareTest):
+    def test_divergence_throw_and_crash_are_rows(self):
+        broken = {
+            "diverges": {"/energies/1/normal": "terzopoulos", "/energies/1/xi": 1e-4},
+            "throws": {"/energies/1/normal": {"plugin": "throws", "what": "int"}},
+            "throws_at_once": {"/energies/1/normal": {"plugin": "throws_std"}},
+            "no_node": {"/forces/0/where": {"centre": [0.51, 0.5], "radius": 0.001}},
+        }
+        # Sheet P of the reference figures, which Terzopoulos' estimator folds at once.
+        scene = sheet(variants=broken, surface=dict(sheet()["surface"], nodes=[21, 21]))
+        scene["forces"][0]["where"]["radius"] = 0.06
+        done, folder = self.compare(scene, "--plugin-path", FIXTURES)
+        runs = {run["name"]: run for run in self.summary(folder)["variants"]}
+        self.assertEqual(runs["base"]["status"], "done")
+        self.assertEqual(runs["diverges"]["status"], "diverged")
+        self.assertIn("step", runs["diverges"]["reason"])
+        self.assertEqual(runs["throws"]["status"], "plugin failed")
+        self.assertIn("normal-throws.so", runs["throws"]["reason"])
+        self.assertEqual(runs["throws_at_once"]["status"], "plugin failed")
+        self.assertIn("normal-throws_std.so", runs["throws_at_once"]["reason"])
+        self.assertEqual(runs["no_node"]["status"], "refused")
+        self.assertIn("node", runs["no_node"]["reason"])
+        for name in ("diverges", "throws", "throws_at_once", "no_node"):
+            self.assertIn(name, done.stdout)
+
+    def test_reference_that_fails(self):
+        scene = sheet(variants={"throws": {"/energies/1/normal": {"plugin": "throws_std"}}})
+        done, folder = self.compare(scene, "--reference", "throws", "--plugin-path", FIXTURES)
+        self.assertEqual([run["status"] for run in self.summary(folder)["variants"]],
+                         ["done", "plugin failed"])
+        self.assertIn("throws plugin failed", done.stdout)
+
+    def test_bad_input_writes_nothing(self):
+        for arguments, words in (
+                (("--variants", "exakt"), ['"exakt"', 'did you mean "exact"']),
+                (("--reference", "exactt"), ['"exactt"', 'did you mean "exact"']),
+                (("--reference", "refined:exactt"), ['"exactt"']),
+                (("--vary", "/energies/1/normal/plugin=gaus,exact"),
+                 ["--vary /energies/1/normal/plugin", 'did you mean "gauss"']),
+                (("--vary", "/energies/7/xi=1"), ["/energies/7"]),
+                (("--vary", "energies/1/xi=1"), ["/POINTER=V1,V2"]),
+                (("--vary", "/energies/1/xi=1,-1"), ["-1", ">= 0"]),
+                (("--expect", "nothing.json"), ["nothing.json"]),
+                (("--tolerance", "0"), ["tolerance"]),
+        ):
+            done, folder = self.compare(sheet(), *arguments, code=2)
+            for word in words:
+                self.assertIn(word, done.stderr, arguments)
+            self.assertFalse(folder.exists(), arguments)
+
+    def test_folder_is_not_replaced(self):
+        _, folder = self.compare(sheet())
+        self.compare(sheet(), code=2)
+        self.compare(sheet(), "--force")
+        other = self.folder / "mine"
+        other.mkdir()
+        (other / "letter.txt").write_text("mine")
+        self.compare(sheet(), "--force", code=2, out="mine")
+        self.compare(sheet(), "--resume", code=2, out="mine")
+        self.assertTrue((other / "letter.txt").exists())
+
+
+class Vary(CompareTest):
+    def test_plugins_with_other_parameters(self):
+        done, folder = self.compare(
+            sheet(), "--vary", "/energies/1/normal/plugin=terzopoulos,gauss,exact")
+        runs = {run["name"]: run for run in self.summary(folder)["variants"]}
+        self.assertEqual(list(runs), ["normal=terzopoulos", "normal=gauss", "normal=exact"])
+        self.assertEqual(runs["normal=gauss"]["dropped"], [])
+        self.assertEqual(runs["normal=exact"]["dropped"], ["/energies/1/normal/delta"])
+        self.assertIn("/energies/1/normal/delta", done.stdout)
+        self.assertEqual(self.summary(folder)["reference"], "normal=gauss")  # the scene's own
+        scene = json.loads((folder / "normal=exact" / "scene.json").read_text())
+        self.assertEqual(scene["energies"][1]["normal"], {"plugin": "exact"})
+
+    def test_grid_fits_a_hundred_columns(self):
+        done, folder = self.compare(
+            sheet(duration=0.1), "--vary", "/energies/1/xi=0,1e-7,1e-6,2e-6,5e-6",
+            "--vary", "/energies/0/eta=0.01,0.02,0.05,0.1",
+            "--vary", "/energies/1/normal/plugin=terzopoulos,gauss,exact", "--jobs", "2")
+        self.assertEqual(len(self.summary(folder)["variants"]), 60)
+        self.assertLessEqual(max(len(line) for line in done.stdout.splitlines()), 100)
+        self.assertIn("xi=1e-7+eta=0.05+normal=exact", done.stdout)
+
+    def test_values_with_commas_in_them(self):
+        _, folder = self.compare(sheet(duration=0.1), "--vary", "/surface/nodes=[9,9],[17,17]")
+        self.assertEqual([run["name"] for run in self.summary(folder)["variants"]],
+                         ["nodes=9_9", "nodes=17_17"])
+        self.assertGreater(self.figures(folder)["nodes=17_17"]["distance.max"], 0)
+
+    def test_steps_of_different_size_meet_at_equal_times(self):
+        _, folder = self.compare(sheet(), "--vary", "/integrator/step=0.02,0.04")
+        times = [float(row["time [s]"]) for row in self.rows(folder)]
+        self.assertEqual(len(times), 11)
+        for i, time_ in enumerate(times):
+            self.assertAlmostEqual(time_, 0.04 * i, places=12)
+
+
+class Refined(CompareTest):
+    def test_error_falls_with_the_grid(self):
+        """A coarser grid is farther from the same refined reference of its own kind."""
+        errors = []
+        for nodes in ([9, 9], [17, 17]):
+            surface = dict(sheet()["surface"], nodes=nodes)
+            _, folder = self.compare(sheet(surface=surface, variants={}), "--reference", "refined",
+                                     "--force")
+            finer = json.loads((folder / "refined" / "scene.json").read_text())
+            self.assertEqual(finer["surface"]["nodes"], [2 * n - 1 for n in nodes])
+            self.assertEqual(finer["integrator"]["step"], 0.005)
+            self.assertEqual(len(self.rows(folder)), 21)
+            errors.append(self.figures(folder)["base"]["rms"])
+        self.assertLess(errors[1], errors[0])
+
+
+class Resume(CompareTest):
+    def test_jobs_give_the_same_bytes(self):
+        _, one = self.compare(sheet(), "--jobs", "1", out="one")
+        _, two = self.compare(sheet(), "--jobs", "2", out="two")
+        self.assertEqual((one / "comparison.csv").read_bytes(), (two / "comparison.csv").read_bytes())
+
+    def test_killed_and_resumed(self):
+        scene = self.write(sheet(duration=4.0, checkpoint={"every": 20},
+                                 surface=dict(sheet()["surface"], nodes=[21, 21])))
+        _, whole = self.compare(scene, "--jobs", "2", out="whole")
+        folder = self.folder / "killed"
+        process = subprocess.Popen(
+            [PROGRAM, "compare", scene, "--out", folder, "--jobs", "2"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        deadline = time.monotonic() + TIMEOUT
+        while time.monotonic() < deadline and not (folder / "exact" / "checkpoint.bin").exists():
+            time.sleep(0.001)
+        process.kill()
+        self.assertEqual(process.wait(), -signal.SIGKILL)
+        self.assertFalse((folder / "comparison.csv").exists())
+        _, folder = self.compare(scene, "--resume", out="killed")
+        self.assertEqual((folder / "comparison.csv").read_bytes(),
+                         (whole / "comparison.csv").read_bytes())
+
+    def test_interrupted(self):
+        scene = self.write(sheet(duration=40.0))
+        folder = self.folder / "c"
+        process = subprocess.Popen([PROGRAM, "compare", scene, "--out", folder],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        while not (folder / "base" / "probes.csv").exists():
+            time.sleep(0.001)
+        process.send_signal(signal.SIGINT)
+        _, stderr = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 130, stderr)
+        self.assertIn("--resume", stderr)
+        summary = json.loads((folder / "base" / "summary.json").read_text())
+        self.assertEqual(summary["status"], "interrupted")
+        self.assertTrue((folder / "base" / "checkpoint.bin").exists())
+
+    def test_takes_over_what_is_unchanged(self):
+        scene = sheet()
+        _, folder = self.compare(scene)
+        times = {name: (folder / name / "manifest.json").stat().st_mtime_ns
+                 for name in ("base", "exact", "terzopoulos")}
+        scene["variants"]["exact"]["/energies/1/xi"] = 2e-6
+        _, folder = self.compare(scene, "--resume")
+        changed = {name for name, then in times.items()
+                   if (folder / name / "manifest.json").stat().st_mtime_ns != then}
+        self.assertEqual(changed, {"exact"})
+
+    def test_other_plugin_file_is_run_again(self):
+        _, folder = self.compare(sheet())
+        manifest = folder / "exact" / "manifest.json"
+        content = json.loads(manifest.read_text())
+        next(p for p in content["plugins"] if p["name"] == "exact")["sha256"] = "0" * 64
+        manifest.write_text(json.dumps(content))
+        self.compare(sheet(), "--resume")
+        self.assertNotIn("0" * 64, manifest.read_text())
+
+
+class Expect(CompareTest):
+    def expect(self, claims, code):
+        file = self.write({"claims": claims} if isinstance(claims, list) else claims, "expect.json")
+        done, folder = self.compare(sheet(), "--expect", file, "--force", code=code)
+        return done
+
+    def test_claims_that_hold(self):
+        done = self.expect(["base.mirror_asymmetry < 1e-12",
+                            "terzopoulos.mirror_asymmetry > 100 * base.mirror_asymmetry",
+                            "abs(exact.lowest - base.lowest) < 1e-3 && exact.done == 1",
+                            "exact.difference.lowest.max < 1e-3", "exact.parts_at > 1"], 0)
+        self.assertEqual(done.stdout.count("holds: "), 5)
+
+    def test_claims_that_do_not(self):
+        done = self.expect(["base.lowest > exact.lowest + 1", "exact.steps == 20"], 5)
+        self.assertIn("does not hold: base.lowest > exact.lowest + 1 (base.lowest = -", done.stderr)
+        self.assertNotIn("exact.steps", done.stderr)
+
+    def test_missing_figure(self):
+        done = self.expect(["base.lowst < 0"], 5)
+        self.assertIn('base.lowst is missing; did you mean "lowest"', done.stderr)
+
+    def test_what_is_no_claim(self):
+        for claims, words in (
+                (["exakt.lowest < 0"], ["/claims/0", '"exakt" is no run', '"exact"']),
+                (["base.lowest"], ["expected a comparison"]),
+                (["1 < 2"], ["RUN.FIGURE"]),
+                (["base.lowest < "], ["/claims/0"]),
+                ([3], ["expected text"]),
+                ({"claim": []}, ["expected {"]),
+        ):
+            done = self.expect(claims, 2)
+            for word in words:
+                self.assertIn(word, done.stderr)
+
+
+class Paper(CompareTest):
+    def test_figures_5_and_7(self):
+        _, folder = self.compare(SCENES / "paper" / "fig05_fig07.json", "--jobs", "2")
+        runs = self.figures(folder)
+        for figure in ("mirror_asymmetry", "in_plane_displacement"):
+            self.assertGreater(runs["terzopoulos_1e-6"][figure], 2 * runs["terzopoulos_1e-7"][figure])
+        for xi in ("1e-7", "1e-6", "1e-5"):
+            self.assertLess(runs["gauss_" + xi]["mirror_asymmetry.max"], 1e-12)
+        self.assertGreater(runs["gauss_1e-7"]["in_plane_displacement"],
+                           runs["gauss_1e-6"]["in_plane_displacement"])
+        self.assertGreater(runs["gauss_1e-6"]["in_plane_displacement"],
+                           runs["gauss_1e-5"]["in_plane_displacement"])
+        self.assertEqual(runs["terzopoulos_1e-5"]["done"], 0)
+        self.assertFalse(math.isnan(runs["exact"]["lowest"]))
+
+
+if __name__ == "__main__":
+    unittest.main()

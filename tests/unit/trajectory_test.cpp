@@ -1,0 +1,114 @@
+/// trajectory.bin: what is written comes back; what is not one is refused.
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "deform/error.h"
+#include "deform/record/trajectory.h"
+#include "deform/simulation/run.h"
+
+namespace deform {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kScene = R"({
+  "surface": {"plugin": "grid", "nodes": [6, 5], "size": [1.0, 2.0]},
+  "energies": [{"plugin": "stretching", "eta": 0.1},
+               {"plugin": "bending", "xi": 1e-4, "normal": "gauss"}],
+  "forces": [{"plugin": "gravity", "acceleration": [0, 0, -1]}],
+  "constraints": [{"plugin": "pin", "where": {"boundary": "left"}}],
+  "integrator": {"plugin": "semi_implicit", "step": 0.001},
+  "duration": 0.007, "probes": ["lowest"], "frames": {"every": 3}})";
+
+class TrajectoryTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(::testing::TempDir()) / ("deform_trajectory_" + std::string(info->name()));
+    RunOptions options;
+    options.folder = folder_;
+    options.force = fs::exists(folder_);
+    scene_ = read_scene_text(kScene, "scene.json", folder_, *registry_);
+    ASSERT_EQ(run(scene_, registry_, options).code, ExitCode::done);
+    file_ = folder_ / kTrajectoryFile;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::shared_ptr<const PluginRegistry> registry_ =
+      std::make_shared<const PluginRegistry>(std::vector<fs::path>{DEFORM_PLUGINS});
+  fs::path folder_, file_;
+  Scene scene_;
+};
+
+TEST_F(TrajectoryTest, HoldsTheStates) {
+  const Trajectory trajectory(file_);
+  ASSERT_EQ(trajectory.frames(), 4U);  // 0, 3, 6 and the last
+  Simulation simulation(scene_, registry_);
+  for (std::size_t frame = 0; frame < 4; ++frame) {
+    while (simulation.steps() < trajectory.moments()[frame].step) simulation.step();
+    EXPECT_EQ(trajectory.moments()[frame].time, simulation.state().time);
+    EXPECT_EQ(trajectory.positions(frame), simulation.state().r);
+  }
+  EXPECT_EQ(simulation.steps(), 7);
+}
+
+TEST_F(TrajectoryTest, HoldsTheSurfaceAndItsFields) {
+  const Trajectory trajectory(file_);
+  Simulation simulation(scene_, registry_);
+  const Surface& surface = simulation.system().surface();
+  EXPECT_EQ(trajectory.mesh().parameters, surface.parameters());
+  EXPECT_EQ(trajectory.mesh().areas, surface.areas());
+  EXPECT_EQ(trajectory.mesh().faces.nodes, surface.faces().nodes);
+  EXPECT_EQ(trajectory.mesh().faces.begin, surface.faces().begin);
+  EXPECT_DOUBLE_EQ(trajectory.mesh().size, 2.0);
+
+  std::vector<std::string> names;
+  for (const TrajectoryField& field : trajectory.fields()) names.push_back(field.name);
+  EXPECT_THAT(names, ::testing::ElementsAre("B_11", "B_12", "B_22", "energy density, stretching",
+                                            "energy density, bending", "normal angle", "branch"));
+  EXPECT_EQ(trajectory.fields().back().labels.size(), 4U);
+  while (simulation.steps() < 6) simulation.step();
+  const Frame frame = simulation.frame();
+  const ConstValues B_11 =
+      frame.system.geometry(surface.samples(SampleRole::bending)).all().B(Pair::p11);
+  const std::vector<float> recorded = trajectory.field(2, 0);
+  for (std::size_t i = 0; i < recorded.size(); ++i)
+    EXPECT_EQ(recorded[i], static_cast<float>(B_11[i]));
+}
+
+TEST_F(TrajectoryTest, PassesOverAFrameThatIsCutOff) {
+  fs::resize_file(file_, fs::file_size(file_) - 1);
+  EXPECT_EQ(Trajectory(file_).frames(), 3U);
+}
+
+TEST_F(TrajectoryTest, RefusesWhatIsNone) {
+  std::string bytes;
+  {
+    std::ifstream in(file_, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  const auto refused = [this](const std::string& content) {
+    std::ofstream(file_, std::ios::binary) << content;
+    try {
+      const Trajectory trajectory(file_);
+    } catch (const InputError& e) {
+      return std::string(e.what()).find(kTrajectoryFile) != std::string::npos;
+    }
+    return false;
+  };
+  EXPECT_TRUE(refused(""));
+  EXPECT_TRUE(refused("deform trajectory 2\n" + bytes.substr(20)));
+  for (const std::size_t length : {10U, 20U, 27U, 100U}) EXPECT_TRUE(refused(bytes.substr(0, length)));
+  std::string huge = bytes;
+  huge[26] = '\x7f';  // of the header's length
+  EXPECT_TRUE(refused(huge));
+  fs::remove(file_);
+  EXPECT_THROW(Trajectory{file_}, InputError);
+}
+
+}  // namespace
+}  // namespace deform
