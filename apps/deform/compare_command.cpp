@@ -45,7 +45,8 @@ void print_dropped(const Comparison& comparison) {
     const std::string who = runs.size() <= kMostNamed ? fmt::format("{}", fmt::join(runs, ", "))
                                                       : fmt::format("{} runs", runs.size());
     print_wrapped("  ", fmt::format("Dropped, as the plugin has no such parameter: {} ({}).",
-                                    pointer, who));
+                                    pointer, who),
+                  kTableWidth);
   }
 }
 
@@ -53,7 +54,7 @@ void print_comparison(const Comparison& comparison, const std::filesystem::path&
   fmt::print("{}\n", folder.string());
   print_table(comparison_table(comparison, kTableWidth));
   fmt::print("\n");
-  for (const std::string& sentence : comparison.sentences) print_wrapped("  ", sentence);
+  for (const std::string& sentence : comparison.sentences) print_wrapped("  ", sentence, kTableWidth);
   print_dropped(comparison);
 }
 
@@ -67,7 +68,7 @@ bool print_claims(const std::vector<Claim>& claims, bool quiet) {
     if (!claim.holds)
       fmt::print(stderr, "deform: {}\n", line);
     else if (!quiet)
-      print_wrapped("  ", line);
+      print_wrapped("  ", line, kTableWidth);
   }
   return all;
 }

@@ -51,9 +51,9 @@ void print_table(const std::vector<std::vector<std::string>>& rows) {
   }
 }
 
-void print_wrapped(const std::string& front, const std::string& text) {
+void print_wrapped(const std::string& front, const std::string& text, std::size_t width) {
   const std::size_t indent = width_of(front);
-  const std::size_t room = std::max(terminal_width(), indent + kNarrowest) - indent;
+  const std::size_t room = std::max(std::min(terminal_width(), width), indent + kNarrowest) - indent;
   std::string line = front;
   std::size_t used = 0;
   std::istringstream words(text);

@@ -1,6 +1,8 @@
 /// Tables on a terminal.
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,8 +16,9 @@ namespace deform::app {
 /// other rows are left out.
 void print_table(const std::vector<std::vector<std::string>>& rows);
 
-/// Prints a text behind its front; on a terminal, what does not fit goes on below, indented as far
-/// as the front is wide.
-void print_wrapped(const std::string& front, const std::string& text);
+/// Prints a text behind its front; what does not fit into a terminal, or into `width` columns, goes
+/// on below, indented as far as the front is wide.
+void print_wrapped(const std::string& front, const std::string& text,
+                   std::size_t width = std::numeric_limits<std::size_t>::max());
 
 }  // namespace deform::app

@@ -55,9 +55,10 @@ class Planner {
     const std::vector<std::string> variants = chosen_variants(written);
     plan_runs(variants);
     throw_problems();
+    const Scene base = read_scene(request_.scene, *registry_, request_.replacements);
     ComparisonPlan plan;
-    plan.base = written.front().completed;
-    plan.reference = choose_reference(written.front());
+    plan.base = base.completed;
+    plan.reference = choose_reference(base);
     plan.runs = std::move(runs_);
     make_parts(plan);
     return plan;

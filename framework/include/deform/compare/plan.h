@@ -46,7 +46,7 @@ struct PlannedRun {
 struct ComparisonPlan {
   std::vector<PlannedRun> runs;  ///< in the order of the file and of the values
   std::string reference;         ///< a run's name
-  std::string base;              ///< the unchanged scene, complete, as JSON text
+  std::string base;  ///< the scene without variants and variations, complete, as JSON text
 };
 
 /// The name of the run with the finer grid.
