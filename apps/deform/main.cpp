@@ -80,8 +80,8 @@ void add_set(CLI::App& command, Arguments& arguments, std::vector<Replacement>& 
 void add_shadow(CLI::App& command, Arguments& arguments, std::vector<Replacement>& replacements) {
   command
       .add_option("--shadow", arguments.shadows,
-                  "normal estimators (names, or JSON objects) to measure beside the run's own, on the "
-                  "same states; may be repeated")
+                  "normal estimators (names or JSON objects) to measure beside the run's own, on "
+                  "the same states; may be repeated")
       ->type_name("N1,N2,…")
       ->allow_extra_args(false)
       ->each([&replacements](const std::string& text) {

@@ -23,7 +23,8 @@ BEYOND_SCHEMA = {
               r"|has more than|is not a finite number|: has \d+ numbers|is longer than"),
     "pointers": ("what a variant's pointer leads to, and what is right there", r"variant \""),
     "relations": ("values that do not fit each other",
-                  r"at least one step|more than 1e\+15 steps|they must be as many"),
+                  r"at least one step|more than 1e\+15 steps|they must be as many"
+                  r"|takes a normal estimator|of all together"),
     "order": ("numbers that must ascend, or be equal",
               r"ascending times|must ascend|a1 <= b1|12 must equal 21"),
     "shapes": ("whether a shape closes, or goes around more than once",
@@ -122,7 +123,6 @@ bad("key_in_integrator", {"/integrator/dt": 0.1}, "at /integrator/dt", "has no")
 bad("key_in_output", {"/outputs/0/evry": 2}, "at /outputs/0/evry", "has no", "every")
 bad("key_in_limits", {"/limits": {"distanc": 2}}, "at /limits/distanc", "has no", "distance")
 bad("key_reserved_colliders", {"/colliders": []}, "at /colliders", "no colliders yet")
-bad("key_reserved_shadow", {"/shadow": {}}, "at /shadow", "no shadow yet")
 bad("key_comment_like", {"/_comment": "x"}, "at /_comment", "a scene has no")
 
 # ---- what is missing ----------------------------------------------------------------------------
@@ -188,6 +188,16 @@ bad("time_of_no_form", {"/forces/0/time": {"step": [0, 1]}}, "at /forces/0/time"
 bad("time_ramp_short", {"/forces/0/time": {"ramp": [1]}}, "at /forces/0/time/ramp", "[number, number]")
 bad("time_table_empty", {"/forces/0/time": {"table": []}}, "at /forces/0/time/table", "at least one")
 
+bad("shadow_is_object", {"/shadow": {}}, "at /shadow", "found {}, expected a list of normal plugins")
+bad("shadow_is_name", {"/shadow": "exact"}, "at /shadow", 'found "exact", expected a list')
+bad("shadow_is_null", {"/shadow": None}, "at /shadow", "found null, expected a list")
+bad("shadow_is_number", {"/shadow": ["exact", 1]}, "at /shadow/1", "expected the normal plugin")
+bad("shadow_without_plugin", {"/shadow": [{"delta": 1}]}, "at /shadow/0", "the name of the normal plugin")
+bad("shadow_parameter_misspelt", {"/shadow": [{"plugin": "gauss", "delt": 1}]}, "at /shadow/0/delt",
+    'normal plugin "gauss" has no "delt"', "delta")
+bad("shadow_parameter_negative", {"/shadow": [{"plugin": "gauss", "delta": -1}]},
+    "at /shadow/0/delta", "found -1, expected number >= 0")
+
 # ---- ranges -------------------------------------------------------------------------------------
 bad("density_negative", {"/material/density": -0.1}, "at /material/density", "number > 0 [kg/m²]")
 bad("density_zero", {"/material/density": 0}, "at /material/density", "found 0, expected number > 0")
@@ -222,6 +232,10 @@ bad("plugin_name_is_long", {"/forces/0/plugin": "x" * 100000}, "at /forces/0/plu
     "there is no force plugin")
 bad("normal_misspelt", {"/energies/1/normal": "gaus"}, "at /energies/1/normal",
     'there is no normal plugin "gaus"', "gauss")
+bad("shadow_misspelt", {"/shadow": ["exact", "gaus"]}, "at /shadow/1",
+    'there is no normal plugin "gaus"', "gauss")
+bad("shadow_of_another_kind", {"/shadow": ["bending"]}, "at /shadow/0",
+    "there is a plugin energy/bending")
 bad("probe_misspelt", {"/probes/1": "lowst"}, "at /probes/1", "there is no probe plugin", "lowest")
 bad("shape_misspelt", {"/surface/rest": {"plugin": "flatt"}}, "at /surface/rest/plugin",
     "there is no shape plugin", "flat")
@@ -296,6 +310,11 @@ bad("pin_no_components", {"/constraints/0/components": []}, "at /constraints/0",
 bad("second_constraint_is_wrong", {"/constraints/-": {"plugin": "pin", "where": {"node": 99}}},
     "at /constraints/1/where", "no node 99", beyond="nodes")
 
+bad("shadow_of_nothing", {"/shadow": ["exact"], "/energies": ["stretching", "bending_variational"]},
+    "at /shadow", "no energy term of this scene takes a normal estimator", beyond="relations")
+bad("shadows_of_many_terms", {"/shadow": ["exact"] * 501, "/energies": ["bending"] * 2}, "at /shadow",
+    "found 501 shadows of 2 energy terms, expected at most 1000", beyond="relations")
+
 # ---- shapes and files ---------------------------------------------------------------------------
 bad("periodic_with_open_shape", {"/surface/periodic": True}, "at /surface/periodic", "does not close",
     beyond="shapes")
@@ -357,6 +376,14 @@ bad_variant("to_wrong_plugin", {"/energies/1": "bendng"}, "at /energies/1", "no 
             "bending", beyond="")
 bad_variant("to_no_node", {"/forces/0/where/centre": [3, 3]}, "at /forces/0/where", "selects no node",
             runs=True)
+bad_variant("to_wrong_shadow", {"/shadow": ["exat"]}, "at /shadow/0", "no normal plugin", "exact",
+            beyond="")
+bad_variant("to_another_shadow", {"/shadow/-": "exat"}, "at /shadow/0", "no normal plugin", "exact",
+            beyond="")
+bad_variant("to_nothing_to_shadow", {"/shadow": ["exact"], "/energies": []}, "at /shadow",
+            "takes a normal estimator", beyond="relations")
+bad_variant("to_append_to_object", {"/material/-": 1}, "at /material/-", 'material has no "-"')
+bad_variant("to_append_in_between", {"/energies/-/eta": 1}, ":", '/energies has no item "-"')
 bad_variant("to_no_file", {"/surface/rest": {"plugin": "file", "path": "no.txt"}},
             "at /surface/rest", "there is no such file", beyond="files", runs=True)
 bad_variant("without_slash", {"duration": 1}, ":", "no JSON pointer", beyond="")
@@ -473,6 +500,9 @@ GOOD.update({
                                                       "/energies/1/form": "divergence",
                                                       "/material": {"density": 1},
                                                       "/limits/distance": 3}}},
+    "shadows": {"/shadow": ["exact", {"plugin": "gauss", "delta": "infinity"}, "gauss"]},
+    "no_shadows": {"/shadow": [], "/energies": []},
+    "shadow_in_variants": {"/variants": {"a": {"/shadow": ["exact"]}, "b": {"/shadow/-": "exact"}}},
     "many_steps": {"/duration": 2e7},
     "rarely": {"/outputs/0/every": 1000000000000000000},
 })

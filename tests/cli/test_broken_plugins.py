@@ -48,6 +48,8 @@ def sheet(kind, use):
         scene["outputs"] = [use]
     elif kind == "normal":
         scene["energies"][1]["normal"] = use
+    elif kind == "shadow":
+        scene["shadow"] = ["gauss", use]
     elif kind == "shape":
         scene["surface"]["rest"] = use
     elif kind == "integrator":
@@ -152,11 +154,26 @@ class Refused(BrokenPlugins):
         self.refused("throws_input", "/energies/1/normal/delta", "found 1, expected 2")
 
 
+    def test_a_term_that_refuses_a_shadow(self):
+        scene = sheet("shadow", "exact")
+        scene["energies"] = ["picky"]
+        result = self.deform("run", self.write(scene), "--out", self.out, "--plugin-path", FIXTURES)
+        self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+        for text in ("at /shadow/0: the shadow normal/gauss (", "/normal-gauss.so) of energy/picky (",
+                     str(FIXTURES / "energy-picky.so"), "only the exact normal will do"):
+            self.assertIn(text, result.stderr)
+        self.assertEqual(len(result.stderr.splitlines()), 1, result.stderr)
+        self.assertFalse(self.out.exists(), "something was written")
+
+
 class Failing(BrokenPlugins):
     """Plugins that load and then fail: exit code 4."""
 
     def fails(self, kind, name, *said, **parameters):
-        origin = f"{kind}/{name} ({FIXTURES}/{kind}-{name}.so)"
+        if kind == "shadow":
+            origin = f"the shadow normal/{name} ({FIXTURES}/normal-{name}.so) of "
+        else:
+            origin = f"{kind}/{name} ({FIXTURES}/{kind}-{name}.so)"
         return self.ends_with(PLUGIN_FAILED, kind, {"plugin": name, **parameters}, origin, *said)
 
     def test_throwing_constructors(self):
@@ -164,6 +181,15 @@ class Failing(BrokenPlugins):
         self.fails("normal", "throws_int", "type int")
         self.fails("normal", "broken_interface", "no normal plugin")
         self.fails("normal", "broken_null", "no normal plugin")
+
+    def test_shadows(self):
+        energy = "energy/bending ("
+        for name, parameters, cause in (("throws", {"what": "std"}, "out of ideas"),
+                                        ("throws", {"what": "own"}, "OwnException"),
+                                        ("throws_std", {}, "out of ideas"),
+                                        ("nan", {}, "is not finite")):
+            message = self.fails("shadow", name, energy, cause, **parameters)
+            self.assertEqual(message.count("the shadow normal/"), 1, message)
 
     def test_throwing_steps(self):
         causes = {"std": "out of ideas", "int": "an exception of type int",

@@ -130,6 +130,10 @@ TEST_F(Resume, SymmetricMatrixToTheSameBits) {
   stop_everywhere(scene({{"/energies/1", R"({"plugin": "bending_variational", "xi": 1e-6})"}}));
 }
 
+TEST_F(Resume, WithShadowsToTheSameBits) {
+  stop_everywhere(scene({{"/shadow", R"(["exact", {"plugin": "gauss", "delta": 0.2}])"}}));
+}
+
 TEST_F(Resume, SeveralTimesToTheSameBits) {
   const Scene all = scene();
   ASSERT_EQ(run_in(folder_ / "whole", all, false).code, ExitCode::done);

@@ -121,8 +121,8 @@ TEST(SceneReader, CompletesTheSceneInItsOwnOrder) {
   std::vector<std::string> keys;
   for (const auto& member : completed.items()) keys.push_back(member.key());
   EXPECT_THAT(keys, ElementsAre("title", "surface", "material", "energies", "forces", "constraints",
-                                "integrator", "duration", "frames", "outputs", "probes", "velocity", "limits",
-                                "checkpoint"));
+                                "integrator", "duration", "outputs", "probes", "velocity", "limits",
+                                "checkpoint", "frames", "shadow"));
   EXPECT_EQ(completed["velocity"], Json::array({0.0, 0.0, 0.0}));
   EXPECT_EQ(completed["limits"]["distance"], 10.0);
   EXPECT_EQ(completed["probes"][1], (Json{{"plugin", "lowest"}, {"every", 1}}));
@@ -231,6 +231,57 @@ TEST(SceneReader, ReplacesWithinDefaultsAndShortForms) {
       read(kScene, {{"/energies/1/normal", "gauss"}, {"/energies/1/normal/delta", "infinity"}});
   EXPECT_EQ(exact.energies[1].parameters->get<PluginUse>("normal").parameters->get<double>("delta"),
             kInfinity);
+}
+
+TEST(SceneReader, AppendsToLists) {
+  const Scene scene = read(kScene, {{"/shadow/-", "exact", false, "--shadow"},
+                                    {"/shadow/-", R"({"plugin": "gauss"})"},
+                                    {"/energies/-", "stretching"}});
+  EXPECT_EQ(scene.energies.size(), 3U);
+  ASSERT_EQ(scene.shadows.size(), 2U);
+  EXPECT_EQ(scene.place("/shadow/0"), "--shadow /shadow/0");
+  EXPECT_EQ(scene.place("/shadow/1"), "--set /shadow/1");
+  EXPECT_EQ(scene.place("/energies/2"), "--set /energies/2");
+  EXPECT_THAT(
+      messages_of(kScene, {{"/shadow/-", "exact"}, {"/shadow/-", "exat", false, "--shadow"}}),
+      ElementsAre(AllOf(HasSubstr("--shadow /shadow/1: at /shadow/1: there is no normal plugin"),
+                        HasSubstr("did you mean \"exact\"?"))));
+}
+
+TEST(SceneReader, MakesAShadowOfEveryTermThatTakesANormal) {
+  const std::string text =
+      changed("/shadow", R"(["exact", "gauss", {"plugin": "gauss", "delta": 1}])");
+  const Scene scene = read(text, {{"/energies/-", R"({"plugin": "bending", "xi": 2})"}});
+  ASSERT_EQ(scene.shadows.size(), 6U);
+  const std::vector<std::string> names{"exact", "exact", "gauss", "gauss", "gauss_2", "gauss_2"};
+  for (std::size_t i = 0; i < 6; ++i) {
+    const ShadowUse& shadow = scene.shadows[i];
+    EXPECT_EQ(shadow.name, names[i]);
+    EXPECT_EQ(shadow.term, i % 2 == 0 ? 1U : 2U);
+    EXPECT_EQ(shadow.energy.name, "bending");
+    EXPECT_EQ(shadow.energy.pointer, "/shadow/" + std::to_string(i / 2));
+    const ParameterValues& own = *scene.energies[shadow.term].parameters;
+    const ParameterValues& values = *shadow.energy.parameters;
+    EXPECT_EQ(values.entries().size(), own.entries().size());
+    EXPECT_EQ(values.get<PairWeights>("xi").w, own.get<PairWeights>("xi").w);
+    EXPECT_EQ(values.get<std::string>("form"), own.get<std::string>("form"));
+    EXPECT_EQ(values.get<PluginUse>("normal").parameters, shadow.normal.parameters);
+  }
+  EXPECT_EQ(scene.shadows[2].normal.parameters->get<double>("delta"), 0.5);
+  EXPECT_EQ(scene.shadows[4].normal.parameters->get<double>("delta"), 1);
+  const Json completed = Json::parse(scene.completed);
+  EXPECT_EQ(completed["shadow"][0], Json({{"plugin", "exact"}}));
+  EXPECT_EQ(completed["shadow"][2]["delta"], 1);
+  EXPECT_EQ(Json::parse(read(kScene).completed)["shadow"], Json::array());
+}
+
+TEST(SceneReader, AShadowNeedsATermThatTakesANormal) {
+  const Replacement none{"/energies", R"(["stretching", "bending_variational"])"};
+  EXPECT_THAT(messages_of(changed("/shadow", R"(["exact"])"), {none}),
+              ElementsAre(HasSubstr("at /shadow: no energy term of this scene takes a normal")));
+  // What a term takes that there is not is not known.
+  EXPECT_THAT(messages_of(changed("/shadow", R"(["exact"])"), {{"/energies", R"(["bendin"])"}}),
+              ElementsAre(HasSubstr("did you mean \"bending\"?")));
 }
 
 TEST(SceneReader, RejectsReplacementsThatLeadNowhere) {

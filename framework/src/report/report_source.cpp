@@ -27,7 +27,7 @@ std::string text_of(const Json& object, const char* key, const std::string& othe
   return found != object.end() && found->is_string() ? found->get<std::string>() : otherwise;
 }
 
-Json value_of(const Json& object, const char* key, Json otherwise = nullptr) {
+Json value_of(const Json& object, const char* key, const Json& otherwise = nullptr) {
   const auto found = object.find(key);
   return found != object.end() ? *found : otherwise;
 }

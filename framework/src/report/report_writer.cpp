@@ -49,7 +49,7 @@ class FieldNames {
     const auto [known, is_new] = known_.try_emplace(field.name, field);
     if (is_new) names_.push_back(field.name);
     if (is_new || same(known->second, field)) return field.name;
-    const std::string own = fmt::format("{} ({})", field.name, variant);
+    std::string own = fmt::format("{} ({})", field.name, variant);
     if (known_.try_emplace(own, field).second) names_.push_back(own);
     return own;
   }
@@ -222,7 +222,7 @@ void ReportWriter::note_thinning(std::size_t all_nodes) {
         fmt::format("for want of room only the first {} variants have a shape", thinning_.shapes));
   }
   if (!mesh_.faces.nodes.empty()) {
-    notes_.push_back(
+    notes_.emplace_back(
         "positions and fields are rounded to 16 bits: positions by at most 8e-6 of the extent of "
         "each variant's movement");
   }

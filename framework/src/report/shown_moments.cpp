@@ -41,6 +41,7 @@ ShownMoments shown_moments(const std::vector<std::vector<Moment>>& variants,
   const std::vector<Moment>& moments = variants[*base];
   shown.recorded = moments.size();
   std::vector<std::vector<std::size_t>> partner;
+  partner.reserve(variants.size());
   for (const auto& others : variants) partner.push_back(partners(moments, others));
   for (std::size_t i = 0; i < moments.size(); ++i) {
     bool is_common = true;

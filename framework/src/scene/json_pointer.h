@@ -23,10 +23,11 @@ std::string parent_pointer(const std::string& pointer);
 /// Whether `pointer` is `ancestor` or points to something within it.
 bool is_within(std::string_view pointer, std::string_view ancestor);
 
-/// Puts a value at a pointer: in place of what is there, as a new member of an object, or, where the
-/// last step is "-", behind the last item of an array. Returns "" or why the pointer leads nowhere. On the way, an object that the scene leaves to its
-/// defaults, or abbreviates to a plugin's name, is written out first; `completed` gives the scene
-/// with all defaults, and is called only for that.
+/// Puts a value at a pointer: in place of what is there, as a new member of an object, or, where
+/// the last step is "-", behind the last item of an array. Returns "" or why the pointer leads
+/// nowhere. On the way, an object that the scene leaves to its defaults, or abbreviates to a
+/// plugin's name, is written out first; `completed` gives the scene with all defaults, and is
+/// called only for that.
 std::string replace_at(Json& scene, const std::string& pointer, const Json& value,
                        const std::function<Json()>& completed);
 

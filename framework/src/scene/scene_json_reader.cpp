@@ -186,8 +186,9 @@ class SectionReader {
     const auto terms = static_cast<std::size_t>(std::ranges::count_if(energies, takes_normal));
     const bool terms_are_known = !problems_.any_within("/energies");
     if (shadows > 0 && terms == 0 && terms_are_known) {
-      problems_.add("/shadow", "no energy term of this scene takes a normal estimator: there is "
-                               "nothing to shadow");
+      problems_.add("/shadow",
+                    "no energy term of this scene takes a normal estimator: there is "
+                    "nothing to shadow");
     } else if (shadows * terms > kMostShadows) {
       problems_.add("/shadow", "found " + std::to_string(shadows) + " shadows of " +
                                    std::to_string(terms) + " energy terms, expected at most " +

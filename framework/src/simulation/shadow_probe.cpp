@@ -32,8 +32,8 @@ std::string naming(const std::string& who, const std::string& message) {
   return message.find(who) == std::string::npos ? who + ": " + message : message;
 }
 
-/// Calls f() for a shadow. What fails there is a failure of the shadow's plugin, of numbers that are
-/// not finite too: the run itself did not diverge.
+/// Calls f() for a shadow. What fails there is a failure of the shadow's plugin, of numbers that
+/// are not finite too: the run itself did not diverge.
 template <class F>
 decltype(auto) as_shadow(const std::string& who, F&& f) {
   try {
@@ -156,7 +156,8 @@ void ShadowProbe::measure_angles(const Driver& driver, const System& run, Values
   }
   for (std::size_t i = 0; i < driver.shadows.size(); ++i) {
     if (angles[i].none()) continue;
-    const Values own_figures = figures.subspan(driver.shadows[i] * kFigures.size(), kFigures.size());
+    const Values own_figures =
+        figures.subspan(driver.shadows[i] * kFigures.size(), kFigures.size());
     own_figures[angle_mean] = angles[i].mean();
     own_figures[angle_max] = angles[i].max();
   }
@@ -178,8 +179,8 @@ void ShadowProbe::measure_forces(const Driver& driver, const State& state, Value
   const double own_rms = rms(lengths(own));
   for (const std::size_t i : driver.shadows) {
     const Shadow& shadow = shadows_[i];
-    const NodeVectors force =
-        as_shadow(shadow.term.origin, [&] { return system_->internal_force(shadow.number, state); });
+    const NodeVectors force = as_shadow(
+        shadow.term.origin, [&] { return system_->internal_force(shadow.number, state); });
     const NodeValues difference = lengths(force - own);
     const Values own_figures = figures.subspan(i * kFigures.size(), kFigures.size());
     own_figures[force_rms] = rms(difference);
@@ -192,14 +193,16 @@ void ShadowProbe::measure_forces(const Driver& driver, const State& state, Value
 void ShadowProbe::save(Memory& memory) const {
   for (std::size_t i = 0; i < shadows_.size(); ++i) {
     const Shadow& shadow = shadows_[i];
-    save_plugin(*shadow.term.object, shadow.term.origin, shadow.name + '/' + term_names_[i], memory);
+    save_plugin(*shadow.term.object, shadow.term.origin, shadow.name + '/' + term_names_[i],
+                memory);
   }
 }
 
 void ShadowProbe::load(const Memory& memory) {
   for (std::size_t i = 0; i < shadows_.size(); ++i) {
     const Shadow& shadow = shadows_[i];
-    load_plugin(*shadow.term.object, shadow.term.origin, shadow.name + '/' + term_names_[i], memory);
+    load_plugin(*shadow.term.object, shadow.term.origin, shadow.name + '/' + term_names_[i],
+                memory);
   }
 }
 
@@ -208,7 +211,7 @@ void add_shadows(const Scene& scene, const PluginRegistry& registry, PartMaker& 
   if (scene.shadows.empty()) return;
   auto probe = std::make_shared<ShadowProbe>(scene.shadows, registry, maker, setup);
   // No plugin has a name with a space.
-  probes.add({"the shadows", "of the framework, for shadows,", std::move(probe)}, "/shadow");
+  probes.add({"the shadows", "shadow (of the framework)", std::move(probe)}, "/shadow");
 }
 
 }  // namespace deform

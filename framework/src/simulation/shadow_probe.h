@@ -15,7 +15,8 @@ namespace deform {
 
 /// Measures how far the shadows' normals and forces are from those of the estimators that drive the
 /// run. Looks at the run's states and changes nothing of it: the forces are computed by a System of
-/// its own, made of the shadowed terms and their shadows, which is evaluated at recorded steps only.
+/// its own, made of the shadowed terms and their shadows, which is evaluated at recorded steps
+/// only.
 class ShadowProbe final : public Probe {
  public:
   /// Makes the terms with their estimators replaced; problems are left with the maker. Throws

@@ -29,8 +29,8 @@ struct JetTermUse {
 DEFORM_API void estimate_normals(const JetTermUse& use, const Geometry& lagged, const Geometry& now,
                                  Pair ij, NodeVectors& normals);
 
-/// Directed angle [rad] between an estimated normal and another (0 to π: one on the wrong side of the
-/// surface is wrong by more than π/2); NaN where one of them has no direction.
+/// Directed angle [rad] between an estimated normal and another (0 to π: one on the wrong side of
+/// the surface is wrong by more than π/2); NaN where one of them has no direction.
 [[nodiscard]] DEFORM_API double angle_between(const Vec3& estimate, const Vec3& other);
 
 /// Weighted mean and maximum of angles [rad].
