@@ -43,6 +43,7 @@ std::string scene_text(const std::string& kind, const std::string& name) {
        R"([ { "plugin": "stretching", "eta": 1.0 }, { "plugin": "bending_variational" } ])"},
       {"forces", R"([ { "plugin": "gravity", "acceleration": [0, 0, -1] } ])"},
       {"constraints", R"([ { "plugin": "pin", "where": { "boundary": "left" } } ])"},
+      {"colliders", ""},
       {"integrator", R"({ "plugin": "semi_implicit", "step": 0.002 })"},
       {"solver", ""},
       {"duration", "0.2"},
@@ -71,6 +72,7 @@ std::string scene_text(const std::string& kind, const std::string& name) {
   if (kind == "constraint")
     put("constraints",
         fmt::format(R"([ {{ "plugin": "{}", "where": {{ "boundary": "left" }} }} ])", name));
+  if (kind == "collider") put("colliders", fmt::format("[ {} ]", use));
   if (kind == "integrator")
     put("integrator", fmt::format(R"({{ "plugin": "{}", "step": 0.0005 }})", name));
   if (kind == "solver") put("solver", use);

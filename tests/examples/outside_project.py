@@ -15,7 +15,7 @@ SOURCE = Path(os.environ["DEFORM_SOURCE"])
 BUILD = PROGRAM.parent.parent
 TIMEOUT = 500
 
-KINDS = ["surface", "shape", "normal", "energy", "force", "constraint", "integrator", "solver",
+KINDS = ["surface", "shape", "normal", "energy", "force", "constraint", "collider", "integrator", "solver",
          "output", "probe"]
 PARAMETERS = {"constraint": {"where": {"boundary": "left"}}}
 MOST_LINES = {"curvature_blend.cpp": 25, "saint_venant.cpp": 40}

@@ -26,6 +26,8 @@ Contract contract_of(PluginKind kind) {
       return check_force_contract;
     case PluginKind::constraint:
       return check_constraint_contract;
+    case PluginKind::collider:
+      return check_collider_contract;
     case PluginKind::integrator:
       return check_integrator_contract;
     case PluginKind::solver:

@@ -11,6 +11,7 @@ void check_normal_contract(const Subject& subject, Checks& checks);
 void check_energy_contract(const Subject& subject, Checks& checks);
 void check_force_contract(const Subject& subject, Checks& checks);
 void check_constraint_contract(const Subject& subject, Checks& checks);
+void check_collider_contract(const Subject& subject, Checks& checks);
 void check_integrator_contract(const Subject& subject, Checks& checks);
 void check_solver_contract(const Subject& subject, Checks& checks);
 void check_output_contract(const Subject& subject, Checks& checks);

@@ -67,6 +67,9 @@ Json Subject::scene_json(const Terrain& terrain) const {
     case PluginKind::constraint:
       scene["constraints"] = Json::array({use});
       break;
+    case PluginKind::collider:
+      scene["colliders"] = Json::array({use});
+      break;
     case PluginKind::integrator:
       if (!use.contains("step")) use["step"] = 0.002;
       scene["integrator"] = use;
@@ -105,6 +108,8 @@ PluginUse Subject::use_in(const Scene& scene) const {
       return scene.forces.front();
     case PluginKind::constraint:
       return scene.constraints.front();
+    case PluginKind::collider:
+      return scene.colliders.front().use;
     case PluginKind::integrator:
       return scene.integrator;
     case PluginKind::solver:

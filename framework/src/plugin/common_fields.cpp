@@ -12,6 +12,15 @@ struct IntegratorCommon {
   }
 };
 
+struct ColliderCommon {
+  double friction = 0.3, thickness = 0;
+  static void declare(Declaration<ColliderCommon>& d) {
+    d("friction", &ColliderCommon::friction, "", "Coulomb's coefficient; 0: none").at_least(0);
+    d("thickness", &ColliderCommon::thickness, "m", "distance that nodes keep from the body")
+        .at_least(0);
+  }
+};
+
 struct RecorderCommon {
   std::int64_t every = 1;
   static void declare(Declaration<RecorderCommon>& d) {
@@ -25,7 +34,10 @@ const ParameterFields& common_fields(PluginKind kind) {
   static const ParameterFields none;
   static const ParameterFields integrator = fields_of<IntegratorCommon>();
   static const ParameterFields recorder = fields_of<RecorderCommon>();
+  static const ParameterFields collider = fields_of<ColliderCommon>();
   switch (kind) {
+    case PluginKind::collider:
+      return collider;
     case PluginKind::integrator:
       return integrator;
     case PluginKind::output:

@@ -11,6 +11,7 @@
 #include <boost/dll/shared_library.hpp>
 
 #include "deform/error.h"
+#include "deform/model/collider.h"
 #include "deform/model/constraint.h"
 #include "deform/model/energy_term.h"
 #include "deform/model/force_field.h"
@@ -136,6 +137,8 @@ bool is_of_kind(const Plugin* object, PluginKind kind) {
       return dynamic_cast<const ForceField*>(object) != nullptr;
     case PluginKind::constraint:
       return dynamic_cast<const Constraint*>(object) != nullptr;
+    case PluginKind::collider:
+      return dynamic_cast<const Collider*>(object) != nullptr;
     case PluginKind::integrator:
       return dynamic_cast<const Integrator*>(object) != nullptr;
     case PluginKind::solver:

@@ -196,6 +196,16 @@ class SectionReader {
     }
   }
 
+  std::vector<ColliderUse> colliders() {
+    std::vector<ColliderUse> colliders;
+    for (PluginUse& use : uses_["colliders"]) {
+      const auto friction = use.parameters->get<double>("friction");
+      const auto thickness = use.parameters->get<double>("thickness");
+      colliders.push_back({std::move(use), friction, thickness});
+    }
+    return colliders;
+  }
+
   std::vector<RecorderUse> recorders(const std::string& key) {
     std::vector<RecorderUse> recorders;
     for (PluginUse& use : uses_[key]) {
@@ -214,6 +224,7 @@ class SectionReader {
     scene.energies = uses_["energies"];
     scene.forces = uses_["forces"];
     scene.constraints = uses_["constraints"];
+    scene.colliders = colliders();
     scene.integrator = uses_["integrator"].front();
     scene.step = scene.integrator.parameters->get<double>("step");
     scene.duration = values_.get<double>("duration");

@@ -127,7 +127,7 @@ const std::vector<SceneSection>& scene_sections() {
       plugins("energies", PluginKind::energy),
       plugins("forces", PluginKind::force),
       plugins("constraints", PluginKind::constraint),
-      other("colliders", Form::reserved),
+      plugins("colliders", PluginKind::collider),
       value(fields_of<Velocity>()),
       plugin(PluginKind::integrator, true),
       value(fields_of<Duration>()),

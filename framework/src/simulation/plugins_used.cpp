@@ -49,6 +49,7 @@ std::vector<const LoadedPlugin*> plugins_used(const Scene& scene, const PluginRe
   collector.add(scene.energies);
   collector.add(scene.forces);
   collector.add(scene.constraints);
+  for (const ColliderUse& collider : scene.colliders) collector.add(collider.use);
   collector.add(scene.integrator);
   collector.add(solver_uses(scene, registry).uses);
   collector.add(scene.outputs);

@@ -60,6 +60,8 @@ std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginReg
     (void)maker.make_all<EnergyTerm>(scene.energies, setup);
     (void)maker.make_all<ForceField>(scene.forces, setup);
     (void)maker.make_all<Constraint>(scene.constraints, setup);
+    for (const ColliderUse& collider : scene.colliders)
+      (void)maker.make<Collider>(collider.use, setup);
     ProbeRecorder probes(scene.probes, maker, setup);
     add_shadows(scene, registry, maker, setup, probes);
     const OutputRecorder outputs(scene.outputs, maker, setup);

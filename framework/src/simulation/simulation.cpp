@@ -72,12 +72,14 @@ struct Simulation::Impl {
   }
 
   void make_system();
+  [[nodiscard]] std::vector<Body> make_bodies(PartMaker& maker, const Setup& setup) const;
   [[nodiscard]] std::function<std::vector<Named<LinearSolver>>()> solver_factory(
       PartMaker& maker, const std::shared_ptr<Surface>& surface);
   void choose_solver();
   void measure_rest();
   void set_initial_state();
   void advance();
+  void collide();
   void check_state();
   [[noreturn]] void throw_not_finite();
   [[noreturn]] void throw_out_of_bounds(Index node);
@@ -129,6 +131,7 @@ void Simulation::Impl::make_system() {
   parts.forces = maker.make_all<ForceField>(scene.forces, unmirrored);
   parts.constraints = maker.make_all<Constraint>(scene.constraints, unmirrored);
   parts.mirrored = mirrored;
+  parts.bodies = make_bodies(maker, unmirrored);
   auto made_integrator = maker.make<Integrator>(scene.integrator, setup);
   parts.make_solvers = solver_factory(maker, surface->object);
   maker.throw_problems();
@@ -138,9 +141,19 @@ void Simulation::Impl::make_system() {
   keep(PluginKind::energy, parts.energies);
   keep(PluginKind::force, parts.forces);
   keep(PluginKind::constraint, parts.constraints);
+  for (const Body& body : parts.bodies) keep<Collider>(PluginKind::collider, {body.collider});
   keep<Integrator>(PluginKind::integrator, {integrator});
   system = std::make_unique<System>(std::move(parts));
   if (scene.solver) choose_solver();
+}
+
+std::vector<Body> Simulation::Impl::make_bodies(PartMaker& maker, const Setup& setup) const {
+  std::vector<Body> bodies;
+  for (const ColliderUse& use : scene.colliders) {
+    if (auto made = maker.make<Collider>(use.use, setup))
+      bodies.push_back({std::move(*made), use.friction, use.thickness, use.use.pointer});
+  }
+  return bodies;
 }
 
 /// Whether the solver that the scene names takes the matrix is a question of the scene: it is asked
@@ -181,6 +194,7 @@ void Simulation::Impl::set_initial_state() {
   const Surface& surface = system->surface();
   state.r = mirrored ? reflected(surface.initial()) : surface.initial();
   system->prescribe(0.0, state.r);
+  system->require_outside_of_colliders(state.r, 1e-6 * size);
 
   Vec3 velocity = scene.velocity;
   if (mirrored) velocity.z() = -velocity.z();
@@ -206,6 +220,14 @@ void Simulation::Impl::advance() {
     Index node = 0;
     system->force().rowwise().squaredNorm().maxCoeff(&node);
     throw Diverged(e.what(), steps + 1, node, guilty_term(node));
+  }
+}
+
+void Simulation::Impl::collide() {
+  try {
+    system->collide(before.r, scene.step, state);
+  } catch (const NotFinite& e) {
+    throw e.at_step(steps + 1, "colliders");
   }
 }
 
@@ -273,6 +295,7 @@ void Simulation::step() {
   try {
     s.advance();
     s.check_state();
+    s.collide();
   } catch (...) {
     s.restore();
     throw;

@@ -6,6 +6,7 @@
 
 #include "parallel/parallel.h"
 #include "plugin/guard.h"
+#include "solve/contacts.h"
 #include "solve/external_forces.h"
 #include "solve/jet_assembler.h"
 #include "solve/not_finite.h"
@@ -49,6 +50,7 @@ struct System::Impl {
   std::vector<SetPart> sets;
   std::vector<TupleAssembler> tuples;
   ExternalForces external;
+  std::optional<Contacts> contacts;  // made when the reduction is known
 
   std::array<NodeVectors, 2> known;  // positions of geometry[0] and [1]
   std::size_t current = 0;           // which of both is that of the last updated state
@@ -69,6 +71,7 @@ System::Impl::Impl(ModelParts p)
   const Index n = parts.surface->nodes();
   for (const auto& c : parts.constraints)
     guarded(c.origin, "saying what it holds", [&] { c.object->reduce(reduction); });
+  contacts.emplace(parts.bodies, parts.mirrored, reduction);
   force = NodeVectors::Zero(n, 3);
   normals = NodeVectors::Zero(n, 3);
   force_stiffness = force_damping = NodeValues::Zero(n);
@@ -343,6 +346,18 @@ void System::constrain(const NodeVectors& before, double step, State& after) con
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < before.rows(); ++a)
       if (impl_->reduction.prescribed(a, c)) after.v(a, c) = (after.r(a, c) - before(a, c)) / step;
+}
+
+void System::collide(const NodeVectors& before, double step, State& after) {
+  if (!impl_->contacts->none()) impl_->contacts->resolve(before, step, after);
+}
+
+NodeValues System::clearance(double time, const NodeVectors& points) const {
+  return impl_->contacts->clearance(time, points);
+}
+
+void System::require_outside_of_colliders(const NodeVectors& r, double slack) const {
+  impl_->contacts->require_outside(r, slack);
 }
 
 double System::energy(std::size_t term, const State& state) {

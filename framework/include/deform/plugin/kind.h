@@ -14,15 +14,16 @@ enum class PluginKind : std::uint8_t {
   energy,
   force,
   constraint,
+  collider,
   integrator,
   solver,
   output,
   probe,
 };
 
-inline constexpr std::array<std::string_view, 10> kPluginKinds{
-    "surface",    "shape",      "normal", "energy", "force",
-    "constraint", "integrator", "solver", "output", "probe"};
+inline constexpr std::array<std::string_view, 11> kPluginKinds{
+    "surface",  "shape",      "normal", "energy", "force", "constraint",
+    "collider", "integrator", "solver", "output", "probe"};
 
 [[nodiscard]] constexpr std::string_view name_of(PluginKind kind) {
   return kPluginKinds[static_cast<std::size_t>(kind)];

@@ -39,6 +39,13 @@ struct ShadowUse {
   PluginUse energy;      ///< the term with this estimator in place of its own
 };
 
+/// A collider and what holds for every kind of it.
+struct ColliderUse {
+  PluginUse use;
+  double friction = 0;   ///< Coulomb's coefficient
+  double thickness = 0;  ///< [m]
+};
+
 /// A scene with defaults filled in; every plugin that it names exists and every parameter is in
 /// range.
 struct DEFORM_API Scene {
@@ -48,6 +55,7 @@ struct DEFORM_API Scene {
   PluginUse surface;
   Material material;
   std::vector<PluginUse> energies, forces, constraints;
+  std::vector<ColliderUse> colliders;
   PluginUse integrator;
   double step = 0;                  ///< [s]
   double duration = 0;              ///< [s]

@@ -9,6 +9,7 @@
 
 #include "deform/export.h"
 #include "deform/geometry/geometry.h"
+#include "deform/model/collider.h"
 #include "deform/model/constraint.h"
 #include "deform/model/energy_term.h"
 #include "deform/model/force_field.h"
@@ -34,6 +35,14 @@ struct Named {
   std::shared_ptr<Interface> object;
 };
 
+/// A collider with what holds for contact with it.
+struct Body {
+  Named<Collider> collider;
+  double friction = 0;   ///< Coulomb's coefficient
+  double thickness = 0;  ///< distance that nodes keep [m]
+  std::string pointer;   ///< where the scene says so
+};
+
 /// The parts of a model, ready to be assembled into a System.
 struct ModelParts {
   std::shared_ptr<const Surface> surface;
@@ -43,6 +52,7 @@ struct ModelParts {
   std::vector<Named<EnergyTerm>> energies;
   std::vector<Named<ForceField>> forces;
   std::vector<Named<Constraint>> constraints;
+  std::vector<Body> bodies;
   /// Makes a fresh object of each solver to choose from (one, where the scene names it). Components
   /// that different constraints hold need a matrix, and so a solver, each.
   std::function<std::vector<Named<LinearSolver>>()> make_solvers;
@@ -108,6 +118,16 @@ class DEFORM_API System {
   /// prescribed components get their positions and the velocity that led there. What an explicit
   /// step ends with.
   void constrain(const NodeVectors& before, double step, State& after) const;
+
+  /// Puts nodes that `after` has inside of a collider on its surface, with friction; their velocity
+  /// becomes that of the way from `before` (N × 3), `step` seconds earlier. Nodes with a prescribed
+  /// component stay.
+  void collide(const NodeVectors& before, double step, State& after);
+  /// (M) Distance of points (M × 3) to the nearest collider at a time, negative inside [m];
+  /// infinite where there is none.
+  [[nodiscard]] NodeValues clearance(double time, const NodeVectors& points) const;
+  /// Throws InputError when a free node begins inside of a collider by more than `slack` [m].
+  void require_outside_of_colliders(const NodeVectors& r, double slack) const;
 
   /// Energy of one term at a state [J] (coefficients lagged at the same state).
   [[nodiscard]] double energy(std::size_t term, const State& state);

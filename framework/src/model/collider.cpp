@@ -1,0 +1,7 @@
+#include "deform/model/collider.h"
+
+namespace deform {
+
+Collider::~Collider() = default;
+
+}  // namespace deform

@@ -1,0 +1,54 @@
+/// How deep a surface is inside of the scene's colliders.
+#include <algorithm>
+#include <cmath>
+
+#include <deform/record/probe.h>
+
+namespace {
+using namespace deform;
+
+class Contact final : public Probe {
+ public:
+  Contact(const NoParameters& /*parameters*/, const Setup& /*setup*/) {}
+
+  [[nodiscard]] std::vector<ProbeColumn> columns() const override {
+    return {{"contact.nodes", ""}, {"contact.node_depth", "m"}, {"contact.face_depth", "m"}};
+  }
+
+  void measure(const Frame& frame, Values figures) override {
+    std::ranges::fill(figures, kNoFigure);
+    const NodeValues at_nodes = frame.system.clearance(frame.state.time, frame.state.r);
+    if (!std::isfinite(at_nodes.minCoeff())) return;  // there is no collider
+    const NodeValues at_faces = frame.system.clearance(frame.state.time, face_centres(frame));
+    const NodeVectors& rest = frame.system.rest();
+    const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+    figures[0] = static_cast<double>((at_nodes.array() < kTouching * size).count());
+    figures[1] = std::max(0.0, -at_nodes.minCoeff());
+    figures[2] = std::max(0.0, -at_faces.minCoeff());
+  }
+
+ private:
+  /// Nodes that are nearer than this to a body, in sizes of the surface, touch it.
+  static constexpr double kTouching = 1e-6;
+
+  static NodeVectors face_centres(const Frame& frame) {
+    const Faces& faces = frame.system.surface().faces();
+    NodeVectors centres = NodeVectors::Zero(faces.size(), 3);
+    for (Index f = 0; f < faces.size(); ++f) {
+      const auto begin = faces.begin[static_cast<std::size_t>(f)];
+      const auto end = faces.begin[static_cast<std::size_t>(f) + 1];
+      for (auto k = begin; k < end; ++k)
+        centres.row(f) += frame.state.r.row(faces.nodes[static_cast<std::size_t>(k)]);
+      centres.row(f) /= static_cast<double>(end - begin);
+    }
+    return centres;
+  }
+};
+
+}  // namespace
+
+DEFORM_PLUGIN(Contact, NoParameters, .name = "contact", .version = "1.0",
+              .summary =
+                  "nodes that touch a collider, and how deep the deepest node and the "
+                  "deepest centre of a face are inside of one; empty without colliders",
+              .formula = "max(0, −min φ)")
