@@ -62,12 +62,14 @@ const std::vector<std::vector<float>>& NodeFields::evaluate(const Frame& frame) 
 }
 
 /// The largest of the angles between n_ij and n, over the pairs that exist: coefficients of the
-/// previous state on the present jets, as the step had them; at first there is no previous state.
+/// previous state on the present jets, as the step had them; none at first, where there is no
+/// previous state.
 void NodeFields::add_angles(const JetTermUse& use, const Frame& frame, std::vector<float>& values) {
   const Geometry& now = frame.system.geometry(*use.samples);
-  const Geometry& lagged = frame.step == 0 ? now : frame.system.previous_geometry(*use.samples);
-  const ConstVectors n = now.all().n();
   values.assign(static_cast<std::size_t>(now.size()), std::numeric_limits<float>::quiet_NaN());
+  if (frame.step == 0) return;
+  const Geometry& lagged = frame.system.previous_geometry(*use.samples);
+  const ConstVectors n = now.all().n();
   for (const Pair ij : kPairs) {
     estimate_normals(use, lagged, now, ij, estimates_);
     for (Index s = 0; s < now.size(); ++s) {
