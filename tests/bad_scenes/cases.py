@@ -122,7 +122,19 @@ bad("key_of_another_plugin", {"/constraints/0/times": [0]}, "at /constraints/0/t
 bad("key_in_integrator", {"/integrator/dt": 0.1}, "at /integrator/dt", "has no")
 bad("key_in_output", {"/outputs/0/evry": 2}, "at /outputs/0/evry", "has no", "every")
 bad("key_in_limits", {"/limits": {"distanc": 2}}, "at /limits/distanc", "has no", "distance")
-bad("key_reserved_colliders", {"/colliders": []}, "at /colliders", "no colliders yet")
+bad("collider_unknown", {"/colliders": ["plain"]}, "at /colliders/0", '"plain"', '"plane"')
+bad("collider_friction", {"/colliders": [{"plugin": "plane", "point": [0, 0, -1], "friction": -1}]},
+    "at /colliders/0/friction", "-1", ">= 0")
+bad("collider_of_another_kind", {"/colliders": ["gravity"]}, "at /colliders/0", '"gravity"')
+bad("collider_without_direction",
+    {"/colliders": [{"plugin": "plane", "point": [0, 0, -1], "normal": [0, 0, 0]}]},
+    "at /colliders/0", "normal is 0")
+bad("collider_around_the_sheet",
+    {"/colliders": [{"plugin": "sphere", "centre": [0.5, 0.5, 0], "radius": 9}]},
+    "at /colliders/0", "begins", "inside")
+bad("collider_rounder_than_it_is",
+    {"/colliders": [{"plugin": "box", "centre": [0, 0, -9], "rounding": 2}]},
+    "at /colliders/0", "rounding")
 bad("key_comment_like", {"/_comment": "x"}, "at /_comment", "a scene has no")
 
 # ---- what is missing ----------------------------------------------------------------------------

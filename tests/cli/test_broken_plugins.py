@@ -42,6 +42,8 @@ def sheet(kind, use):
         scene["forces"].append(use)
     elif kind == "constraint":
         scene["constraints"].append(use)
+    elif kind == "collider":
+        scene["colliders"] = [use]
     elif kind == "probe":
         scene["probes"].append(use)
     elif kind == "output":
@@ -195,7 +197,7 @@ class Failing(BrokenPlugins):
         causes = {"std": "out of ideas", "int": "an exception of type int",
                   "own": "an exception of type deform::fixture::OwnException"}
         for kind in ("energy", "force", "normal", "integrator", "probe", "output", "constraint",
-                     "solver", "shape"):
+                     "collider", "solver", "shape"):
             for what, cause in causes.items():
                 message = self.fails(kind, "throws", "failed while", cause, what=what)
                 self.assertEqual(message.count("failed while"), 1, message)
@@ -259,7 +261,7 @@ class Diverging(BrokenPlugins):
     """Numbers that are not finite: the state diverged, exit code 3, and who gave them."""
 
     def test_not_a_number(self):
-        for kind in ("force", "energy", "integrator"):
+        for kind in ("force", "energy", "integrator", "collider"):
             origin = f"{kind}/nan ({FIXTURES}/{kind}-nan.so)"
             self.ends_with(DIVERGED, kind, {"plugin": "nan"}, origin, "not finite", "step 1")
         self.ends_with(DIVERGED, "normal", {"plugin": "nan"}, "not finite", "step 1")

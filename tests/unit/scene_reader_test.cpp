@@ -121,7 +121,7 @@ TEST(SceneReader, CompletesTheSceneInItsOwnOrder) {
   std::vector<std::string> keys;
   for (const auto& member : completed.items()) keys.push_back(member.key());
   EXPECT_THAT(keys, ElementsAre("title", "surface", "material", "energies", "forces", "constraints",
-                                "integrator", "duration", "outputs", "probes", "velocity", "limits",
+                                "colliders", "integrator", "duration", "outputs", "probes", "velocity", "limits",
                                 "checkpoint", "frames", "shadow"));
   EXPECT_EQ(completed["velocity"], Json::array({0.0, 0.0, 0.0}));
   EXPECT_EQ(completed["limits"]["distance"], 10.0);
@@ -313,7 +313,7 @@ TEST(SceneReader, ReportsEveryProblemInTheOrderOfTheFile) {
   "material": {"density": 0, "damping": "much"},
   "energies": [{"plugin": "bendin"}, {"xi": 1}, 5, {"plugin": "stretching", "et": 1}],
   "forces": {},
-  "colliders": [],
+  "colliders": 3,
   "integrator": {"plugin": "semi_implicit"},
   "duration": 0
 })"),
@@ -335,7 +335,7 @@ TEST(SceneReader, ReportsEveryProblemInTheOrderOfTheFile) {
           "scene.json:5:77: at /energies/3/et: energy plugin \"stretching\" has no \"et\"; did you "
           "mean \"eta\"?",
           HasSubstr("scene.json:6:13: at /forces: found {}, expected a list of force plugins"),
-          "scene.json:7:3: at /colliders: this version has no colliders yet",
+          HasSubstr("scene.json:7:16: at /colliders: found 3, expected a list of collider plugins"),
           HasSubstr("scene.json:8:17: at /integrator: \"step\" is missing: number > 0 [s]"),
           "scene.json:9:15: at /duration: found 0, expected number > 0 [s]"));
 }

@@ -72,9 +72,8 @@ class SectionReader {
   Scene read() {
     std::vector<std::string> keys;
     for (const SceneSection& section : scene_sections()) {
-      if (section.form != Form::reserved) keys.push_back(section.key);
+      keys.push_back(section.key);
     }
-    note_reserved(keys);
     note_unknown_keys(json_, keys, "", "a scene", problems_);
     for (const SceneSection& section : scene_sections()) read(section);
     check_duration();
@@ -83,15 +82,6 @@ class SectionReader {
   }
 
  private:
-  /// A key that is reserved counts as known, and is a problem of its own.
-  void note_reserved(std::vector<std::string>& known) {
-    for (const SceneSection& section : scene_sections()) {
-      if (section.form != Form::reserved || !json_.contains(section.key)) continue;
-      problems_.add_at_key('/' + section.key, "this version has no " + section.key + " yet");
-      known.push_back(section.key);
-    }
-  }
-
   void read(const SceneSection& section) {
     switch (section.form) {
       case Form::note:
@@ -106,8 +96,6 @@ class SectionReader {
         return read_plugins(section);
       case Form::variants:
         json_.erase(section.key);
-        return;
-      case Form::reserved:
         return;
     }
   }
@@ -267,6 +255,7 @@ class SectionReader {
     scene.energies = sound("energies");
     scene.forces = sound("forces");
     scene.constraints = sound("constraints");
+    for (const PluginUse& use : sound("colliders")) scene.colliders.push_back({use});
     scene.outputs = recorders_of(sound("outputs"));
     scene.probes = recorders_of(sound("probes"));
     if (!problems_.any_within("/shadow")) {

@@ -16,7 +16,6 @@ struct SceneSection {
     plugin,    ///< a plugin of the kind
     plugins,   ///< an array of plugins of the kind
     variants,  ///< names of variants, and what they replace
-    reserved,  ///< nothing yet
   };
   std::string key;
   Form form;

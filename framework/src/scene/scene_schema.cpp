@@ -99,8 +99,6 @@ Json section_schema(const SceneSection& section) {
       return Json{{"type", "string"}};
     case Form::variants:
       return reference("variants");
-    case Form::reserved:
-      break;
   }
   return false;
 }
@@ -113,7 +111,7 @@ Json changes_schema() {
                {"properties", Json::object()},
                {"patternProperties", Json::object()}};
   for (const SceneSection& section : scene_sections()) {
-    if (section.form == Form::variants || section.form == Form::reserved) continue;
+    if (section.form == Form::variants) continue;
     const std::string pointer = '/' + section.key;
     changes["properties"][pointer] = section_schema(section);
     if (section.form == Form::plugins) {
@@ -145,7 +143,6 @@ bool is_required(const SceneSection& section) {
 std::string scene_schema(const PluginRegistry& registry) {
   Json properties = Json::object(), required = Json::array(), definitions = Json::object();
   for (const SceneSection& section : scene_sections()) {
-    if (section.form == Form::reserved) continue;
     properties[section.key] = section_schema(section);
     if (is_required(section)) required.push_back(section.key);
   }
