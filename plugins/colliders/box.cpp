@@ -8,7 +8,7 @@ struct Parameters {
   Vec3 centre{0, 0, -0.5}, size = Vec3::Ones();
   double rounding = 0;
   static void declare(Declaration<Parameters>& d) {
-    d("centre", &Parameters::centre, "m", "");
+    d("centre", &Parameters::centre, "m", "of the box");
     d("size", &Parameters::size, "m", "whole lengths along x, y and z").above(0);
     d("rounding", &Parameters::rounding, "m", "radius of the edges, at most half of the least size")
         .at_least(0);

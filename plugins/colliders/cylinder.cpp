@@ -8,9 +8,9 @@ struct Parameters {
   Vec3 centre{0, 0, -0.5}, axis = Vec3::UnitZ();
   double radius = 1, height = 1, rounding = 0;
   static void declare(Declaration<Parameters>& d) {
-    d("centre", &Parameters::centre, "m", "half-way up");
-    d("axis", &Parameters::axis, "", "any length but 0");
-    d("radius", &Parameters::radius, "m", "").above(0);
+    d("centre", &Parameters::centre, "m", "half-way along the axis");
+    d("axis", &Parameters::axis, "", "direction, of any length but 0");
+    d("radius", &Parameters::radius, "m", "about the axis").above(0);
     d("height", &Parameters::height, "m", "along the axis").above(0);
     d("rounding", &Parameters::rounding, "m",
       "radius of the two edges, at most the cylinder's and half of its height")

@@ -8,8 +8,8 @@ struct Parameters {
   Vec3 centre{0, 0, -1};
   double radius = 1;
   static void declare(Declaration<Parameters>& d) {
-    d("centre", &Parameters::centre, "m", "");
-    d("radius", &Parameters::radius, "m", "").above(0);
+    d("centre", &Parameters::centre, "m", "of the ball");
+    d("radius", &Parameters::radius, "m", "of the ball").above(0);
   }
 };
 

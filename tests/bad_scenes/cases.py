@@ -32,7 +32,8 @@ BEYOND_SCHEMA = {
     "spelling": ("whole numbers beyond 2^53, written as floating-point numbers",
                  r"found \S*1e\+300\S*, expected .*whole number"),
     "plugin": ("what a plugin's constructor alone knows",
-               r"is empty|must be 1 or -1|too extreme"),
+               r"is empty|must be 1 or -1|too extreme|normal is 0|rounding is more"
+               r"|inside of this collider"),
 }
 
 BASE = {
@@ -122,19 +123,20 @@ bad("key_of_another_plugin", {"/constraints/0/times": [0]}, "at /constraints/0/t
 bad("key_in_integrator", {"/integrator/dt": 0.1}, "at /integrator/dt", "has no")
 bad("key_in_output", {"/outputs/0/evry": 2}, "at /outputs/0/evry", "has no", "every")
 bad("key_in_limits", {"/limits": {"distanc": 2}}, "at /limits/distanc", "has no", "distance")
-bad("collider_unknown", {"/colliders": ["plain"]}, "at /colliders/0", '"plain"', '"plane"')
+bad("collider_unknown", {"/colliders": ["plain"]}, "at /colliders/0", "there is no collider plugin",
+    "plane")
 bad("collider_friction", {"/colliders": [{"plugin": "plane", "point": [0, 0, -1], "friction": -1}]},
-    "at /colliders/0/friction", "-1", ">= 0")
+    "at /colliders/0/friction", "found -1, expected number >= 0")
 bad("collider_of_another_kind", {"/colliders": ["gravity"]}, "at /colliders/0", '"gravity"')
 bad("collider_without_direction",
     {"/colliders": [{"plugin": "plane", "point": [0, 0, -1], "normal": [0, 0, 0]}]},
-    "at /colliders/0", "normal is 0")
+    "at /colliders/0", "normal is 0", beyond="plugin")
 bad("collider_around_the_sheet",
     {"/colliders": [{"plugin": "sphere", "centre": [0.5, 0.5, 0], "radius": 9}]},
-    "at /colliders/0", "begins", "inside")
+    "at /colliders/0", "inside of this collider", beyond="plugin")
 bad("collider_rounder_than_it_is",
     {"/colliders": [{"plugin": "box", "centre": [0, 0, -9], "rounding": 2}]},
-    "at /colliders/0", "rounding")
+    "at /colliders/0", "rounding is more", beyond="plugin")
 bad("key_comment_like", {"/_comment": "x"}, "at /_comment", "a scene has no")
 
 # ---- what is missing ----------------------------------------------------------------------------

@@ -261,7 +261,10 @@ class Diverging(BrokenPlugins):
     """Numbers that are not finite: the state diverged, exit code 3, and who gave them."""
 
     def test_not_a_number(self):
-        for kind in ("force", "energy", "integrator", "collider"):
+        # What is recorded of the first state has the energy's density in it.
+        self.ends_with(DIVERGED, "energy", {"plugin": "nan"},
+                       f"energy/nan ({FIXTURES}/energy-nan.so)", "not finite", "step 0")
+        for kind in ("force", "integrator", "collider"):
             origin = f"{kind}/nan ({FIXTURES}/{kind}-nan.so)"
             self.ends_with(DIVERGED, kind, {"plugin": "nan"}, origin, "not finite", "step 1")
         self.ends_with(DIVERGED, "normal", {"plugin": "nan"}, "not finite", "step 1")

@@ -170,7 +170,7 @@ TEST(Contact, TheMirroredWorldIsTheReflection) {
 
 TEST(Contact, NodesThatAreHeldStay) {
   Simulation s = simulation_from_text(
-      falling(R"({"plugin": "sphere", "centre": [0, 0, -0.05], "radius": 0.1})", true));
+      falling(R"({"plugin": "sphere", "centre": [0, 0, -0.005], "radius": 0.02})", true));
   EXPECT_FALSE(test::run_to_end(s));
   EXPECT_EQ(s.state().r.row(0), s.system().surface().initial().row(0));
 }

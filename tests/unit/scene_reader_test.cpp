@@ -121,8 +121,8 @@ TEST(SceneReader, CompletesTheSceneInItsOwnOrder) {
   std::vector<std::string> keys;
   for (const auto& member : completed.items()) keys.push_back(member.key());
   EXPECT_THAT(keys, ElementsAre("title", "surface", "material", "energies", "forces", "constraints",
-                                "colliders", "integrator", "duration", "outputs", "probes", "velocity", "limits",
-                                "checkpoint", "frames", "shadow"));
+                                "integrator", "duration", "outputs", "probes", "colliders",
+                                "velocity", "limits", "checkpoint", "frames", "shadow"));
   EXPECT_EQ(completed["velocity"], Json::array({0.0, 0.0, 0.0}));
   EXPECT_EQ(completed["limits"]["distance"], 10.0);
   EXPECT_EQ(completed["probes"][1], (Json{{"plugin", "lowest"}, {"every", 1}}));
