@@ -44,9 +44,9 @@ void print_dropped(const Comparison& comparison) {
   for (const auto& [pointer, runs] : runs_without) {
     const std::string who = runs.size() <= kMostNamed ? fmt::format("{}", fmt::join(runs, ", "))
                                                       : fmt::format("{} runs", runs.size());
-    print_wrapped("  ", fmt::format("Dropped, as the plugin has no such parameter: {} ({}).",
-                                    pointer, who),
-                  kTableWidth);
+    print_wrapped(
+        "  ", fmt::format("Dropped, as the plugin has no such parameter: {} ({}).", pointer, who),
+        kTableWidth);
   }
 }
 
@@ -54,7 +54,8 @@ void print_comparison(const Comparison& comparison, const std::filesystem::path&
   fmt::print("{}\n", folder.string());
   print_table(comparison_table(comparison, kTableWidth));
   fmt::print("\n");
-  for (const std::string& sentence : comparison.sentences) print_wrapped("  ", sentence, kTableWidth);
+  for (const std::string& sentence : comparison.sentences)
+    print_wrapped("  ", sentence, kTableWidth);
   print_dropped(comparison);
 }
 

@@ -125,8 +125,9 @@ CLI::App& add_compare(CLI::App& app, Arguments& arguments) {
       *app.add_subcommand("compare", "Run a scene's variants and measure them against each other");
   ComparisonOptions& options = arguments.compare.options;
   compare.add_option("SCENE", options.request.scene, "scene file")->required()->type_name("");
-  compare.add_option("--variants", arguments.compare.variants,
-                     "variants to run (default: base and all; with --vary base alone)")
+  compare
+      .add_option("--variants", arguments.compare.variants,
+                  "variants to run (default: base and all; with --vary base alone)")
       ->type_name("A,B,…")
       ->allow_extra_args(false);
   compare

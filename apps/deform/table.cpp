@@ -28,9 +28,10 @@ bool is_used(const std::vector<std::vector<std::string>>& rows, std::size_t colu
 }  // namespace
 
 std::size_t width_of(const std::string& text) {
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char byte) {  // those that continue none
-    return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
-  }));
+  return static_cast<std::size_t>(
+      std::count_if(text.begin(), text.end(), [](char byte) {  // those that continue none
+        return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U;
+      }));
 }
 
 void print_table(const std::vector<std::vector<std::string>>& rows) {
@@ -53,7 +54,8 @@ void print_table(const std::vector<std::vector<std::string>>& rows) {
 
 void print_wrapped(const std::string& front, const std::string& text, std::size_t width) {
   const std::size_t indent = width_of(front);
-  const std::size_t room = std::max(std::min(terminal_width(), width), indent + kNarrowest) - indent;
+  const std::size_t room =
+      std::max(std::min(terminal_width(), width), indent + kNarrowest) - indent;
   std::string line = front;
   std::size_t used = 0;
   std::istringstream words(text);

@@ -43,8 +43,9 @@ TEST(Colliders, MeasureKnownDistances) {
       make("box", {{"centre", Vec3(0, 0, 0)}, {"size", Vec3(2, 4, 6)}, {"rounding", 0.5}});
   EXPECT_DOUBLE_EQ(measure(*rounded, {3, 0, 0}).distance, 2);
   EXPECT_DOUBLE_EQ(measure(*rounded, {1, 2, 0}).distance, 0.5 * (std::numbers::sqrt2 - 1));
-  const auto cylinder = make(
-      "cylinder", {{"centre", Vec3(1, 0, 0)}, {"axis", Vec3(0, 2, 0)}, {"radius", 1.0}, {"height", 4.0}});
+  const auto cylinder =
+      make("cylinder",
+           {{"centre", Vec3(1, 0, 0)}, {"axis", Vec3(0, 2, 0)}, {"radius", 1.0}, {"height", 4.0}});
   EXPECT_DOUBLE_EQ(measure(*cylinder, {1, 0, 3}).distance, 2);
   EXPECT_DOUBLE_EQ(measure(*cylinder, {1, 3, 0}).distance, 1);
   EXPECT_DOUBLE_EQ(measure(*cylinder, {1, 6, 4}).distance, 5);
@@ -129,14 +130,15 @@ std::string falling(const std::string& colliders, bool held = false) {
 }
 
 TEST(Contact, NoNodeIsInsideAtAnyStep) {
-  Simulation s = simulation_from_text(
-      falling(R"({"plugin": "sphere", "centre": [0.5, 0.5, -0.3], "radius": 0.25, "thickness": 0.01},
+  Simulation s = simulation_from_text(falling(
+      R"({"plugin": "sphere", "centre": [0.5, 0.5, -0.3], "radius": 0.25, "thickness": 0.01},
                  {"plugin": "plane", "point": [0, 0, -0.4]})"));
   bool touched = false;
   while (s.steps() < s.scene().steps()) {
     s.step();
     const NodeVectors& r = s.state().r;
-    const NodeValues from_centre = (r.rowwise() - Eigen::RowVector3d(0.5, 0.5, -0.3)).rowwise().norm();
+    const NodeValues from_centre =
+        (r.rowwise() - Eigen::RowVector3d(0.5, 0.5, -0.3)).rowwise().norm();
     ASSERT_GE(from_centre.minCoeff(), 0.26 - 1e-12) << s.steps();
     ASSERT_GE(r.col(2).minCoeff(), -0.4 - 1e-12) << s.steps();
     touched = touched || from_centre.minCoeff() < 0.26 + 1e-9;
@@ -156,8 +158,8 @@ TEST(Contact, ClearanceIsThatOfTheNearestBody) {
 }
 
 TEST(Contact, TheMirroredWorldIsTheReflection) {
-  Simulation s = simulation_from_text(
-      falling(R"({"plugin": "box", "centre": [0.4, 0.5, -0.3], "size": [0.5, 0.4, 0.5], "rounding": 0.1})"));
+  Simulation s = simulation_from_text(falling(
+      R"({"plugin": "box", "centre": [0.4, 0.5, -0.3], "size": [0.5, 0.4, 0.5], "rounding": 0.1})"));
   const auto mirrored = s.mirrored();
   for (int i = 0; i < 100; ++i) {
     s.step();
@@ -177,8 +179,7 @@ TEST(Contact, NodesThatAreHeldStay) {
 
 TEST(Contact, AFreeNodeInsideAtFirstIsBadInput) {
   try {
-    (void)simulation_from_text(
-        falling(R"({"plugin": "plane", "point": [0, 0, -1]},
+    (void)simulation_from_text(falling(R"({"plugin": "plane", "point": [0, 0, -1]},
                    {"plugin": "sphere", "centre": [0.5, 0.5, 0], "radius": 0.3})"));
     FAIL();
   } catch (const InputError& e) {

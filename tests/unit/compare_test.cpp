@@ -1,4 +1,5 @@
-/// The parts of a comparison: names and values of a grid, places on another mesh, distances, claims.
+/// The parts of a comparison: names and values of a grid, places on another mesh, distances,
+/// claims.
 #include <cmath>
 #include <fstream>
 #include <random>
@@ -57,7 +58,8 @@ TEST(ValueLabels, AreAsShortAsTheyCanBe) {
 }
 
 TEST(ValueLabels, TellEqualKeysAndValuesApart) {
-  const auto labels = value_labels({{"/energies/0/eta", {"1", "1.0"}}, {"/energies/1/eta", {"1", "1"}}});
+  const auto labels =
+      value_labels({{"/energies/0/eta", {"1", "1.0"}}, {"/energies/1/eta", {"1", "1"}}});
   EXPECT_THAT(labels, ElementsAre(ElementsAre("0.eta=1", "0.eta=1.0"),
                                   ElementsAre("1.eta=1", "1.eta=1-2")));
 }
@@ -67,8 +69,7 @@ TEST(MeshMap, HitsNodesOfAFinerMeshExactly) {
   const NodeVectors r = NodeVectors::Random(fine.areas.size(), 3);
   const NodeVectors at = MeshMap(fine, coarse.parameters).apply(r);
   for (Index j = 0; j < 5; ++j)
-    for (Index i = 0; i < 9; ++i)
-      EXPECT_EQ(at.row(i + 9 * j), r.row(2 * i + 17 * 2 * j));
+    for (Index i = 0; i < 9; ++i) EXPECT_EQ(at.row(i + 9 * j), r.row(2 * i + 17 * 2 * j));
 }
 
 TEST(MeshMap, IsExactForWhatIsLinear) {
@@ -98,11 +99,11 @@ TEST(MeshMap, RefusesPlacesOutside) {
 
 TEST(SquaredDistance, IsThatOfTheNearestPoint) {
   const Vec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0);
-  EXPECT_DOUBLE_EQ(squared_distance({0.2, 0.2, 0.5}, a, b, c), 0.25);   // above the face
-  EXPECT_DOUBLE_EQ(squared_distance({0.5, -2, 0}, a, b, c), 4);         // beside an edge
-  EXPECT_DOUBLE_EQ(squared_distance({-3, -4, 0}, a, b, c), 25);         // at a corner
-  EXPECT_DOUBLE_EQ(squared_distance({1, 1, 0}, a, b, c), 0.5);          // at the long edge
-  EXPECT_DOUBLE_EQ(squared_distance({0.5, 3, 0}, a, b, b), 9);          // a triangle without area
+  EXPECT_DOUBLE_EQ(squared_distance({0.2, 0.2, 0.5}, a, b, c), 0.25);  // above the face
+  EXPECT_DOUBLE_EQ(squared_distance({0.5, -2, 0}, a, b, c), 4);        // beside an edge
+  EXPECT_DOUBLE_EQ(squared_distance({-3, -4, 0}, a, b, c), 25);        // at a corner
+  EXPECT_DOUBLE_EQ(squared_distance({1, 1, 0}, a, b, c), 0.5);         // at the long edge
+  EXPECT_DOUBLE_EQ(squared_distance({0.5, 3, 0}, a, b, b), 9);         // a triangle without area
 }
 
 /// Without trees, bounds or short cuts.
@@ -113,9 +114,9 @@ double brute_hausdorff(const NodeVectors& a, const NodeVectors& b,
     for (Index i = 0; i < from.rows(); ++i) {
       double least = kInfinity;
       for (const Triangle& f : faces)
-        least = std::min(least, squared_distance(from.row(i).transpose(), to.row(f[0]).transpose(),
-                                                 to.row(f[1]).transpose(),
-                                                 to.row(f[2]).transpose()));
+        least =
+            std::min(least, squared_distance(from.row(i).transpose(), to.row(f[0]).transpose(),
+                                             to.row(f[1]).transpose(), to.row(f[2]).transpose()));
       greatest = std::max(greatest, least);
     }
     return greatest;

@@ -1,4 +1,6 @@
 /// trajectory.bin: what is written comes back; what is not one is refused.
+#include "deform/record/trajectory.h"
+
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -7,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "deform/error.h"
-#include "deform/record/trajectory.h"
 #include "deform/simulation/run.h"
 
 namespace deform {
@@ -102,7 +103,8 @@ TEST_F(TrajectoryTest, RefusesWhatIsNone) {
   };
   EXPECT_TRUE(refused(""));
   EXPECT_TRUE(refused("deform trajectory 2\n" + bytes.substr(20)));
-  for (const std::size_t length : {10U, 20U, 27U, 100U}) EXPECT_TRUE(refused(bytes.substr(0, length)));
+  for (const std::size_t length : {10U, 20U, 27U, 100U})
+    EXPECT_TRUE(refused(bytes.substr(0, length)));
   std::string huge = bytes;
   huge[26] = '\x7f';  // of the header's length
   EXPECT_TRUE(refused(huge));

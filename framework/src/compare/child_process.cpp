@@ -4,8 +4,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <csignal>
+#include <fcntl.h>
 #include <mutex>
 #include <thread>
+#include <unistd.h>
 
 #include <boost/process/args.hpp>
 #include <boost/process/child.hpp>
@@ -14,11 +16,9 @@
 #include <boost/process/io.hpp>
 #include <boost/process/pipe.hpp>
 #include <boost/process/posix.hpp>
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include "deform/error.h"
 
@@ -82,8 +82,9 @@ bp::child start(const std::string& program, const std::vector<std::string>& argu
   const std::lock_guard lock(mutex);
   for (const int end : {output.pipe().native_source(), output.pipe().native_sink()})
     ::fcntl(end, F_SETFD, FD_CLOEXEC);
-  return bp::child(bp::exe = program, bp::args = arguments, bp::std_in < bp::null,
-                   (bp::std_out & bp::std_err) > output, DiesWithParent(), error);
+  return bp::child(bp::exe = program, bp::args = arguments,
+                   bp::std_in<bp::null, (bp::std_out & bp::std_err)> output, DiesWithParent(),
+                   error);
 }
 
 }  // namespace

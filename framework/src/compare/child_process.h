@@ -9,8 +9,8 @@ namespace deform {
 
 /// How a process ended.
 struct ChildExit {
-  int code = 0;     ///< what it returned
-  int signal = 0;   ///< what killed it, or 0
+  int code = 0;      ///< what it returned
+  int signal = 0;    ///< what killed it, or 0
   std::string said;  ///< its last lines on stdout and stderr that were not taken
 };
 

@@ -16,6 +16,7 @@
 #include "compare/figures.h"
 #include "compare/verdict.h"
 #include "simulation/files.h"
+#include "simulation/json_file.h"
 #include "simulation/run_directory.h"
 
 namespace deform {
@@ -26,11 +27,10 @@ namespace fs = std::filesystem;
 /// A folder that is to be resumed in must be a comparison's, or not be there.
 void check_resumable(const fs::path& folder) {
   if (!fs::exists(folder)) return;
-  const auto text = read_file(folder / "manifest.json");
-  const Json manifest = text ? Json::parse(*text, nullptr, false) : Json();
+  const Json manifest = read_json_object(folder / "manifest.json");
   if (!manifest.is_object() || manifest.value("kind", Json()) != "comparison")
-    throw InputError(fmt::format("cannot resume in '{}': it is not a comparison directory",
-                                 folder.string()));
+    throw InputError(
+        fmt::format("cannot resume in '{}': it is not a comparison directory", folder.string()));
 }
 
 std::vector<std::string> names_of(const ComparisonPlan& plan) {
@@ -40,8 +40,8 @@ std::vector<std::string> names_of(const ComparisonPlan& plan) {
 }
 
 std::size_t number_of_reference(const ComparisonPlan& plan) {
-  return static_cast<std::size_t>(
-      std::ranges::find(plan.runs, plan.reference, &PlannedRun::name) - plan.runs.begin());
+  return static_cast<std::size_t>(std::ranges::find(plan.runs, plan.reference, &PlannedRun::name) -
+                                  plan.runs.begin());
 }
 
 /// Size of the surface [m]: the reference's, or that of any run that has states.
@@ -71,9 +71,9 @@ Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan
   const std::size_t reference = number_of_reference(plan);
   Comparison comparison;
   comparison.reference = plan.reference;
-  comparison.tolerance = options.request.tolerance > 0
-                             ? options.request.tolerance
-                             : plan.runs.front().scene.tolerance * surface_size(measured, reference);
+  comparison.tolerance = options.request.tolerance > 0 ? options.request.tolerance
+                                                       : plan.runs.front().scene.tolerance *
+                                                             surface_size(measured, reference);
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     RunComparison run;
     run.name = plan.runs[i].name;

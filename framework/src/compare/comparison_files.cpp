@@ -83,11 +83,9 @@ double ms_per_step(const RecordedRun& run) {
   return steps > 0 ? 1e3 * of_manifest(run.manifest, "seconds", "all_steps") / steps : kNone;
 }
 
-std::string comparison_csv(const Comparison& comparison,
-                           const std::vector<MeasuredRun>& measured) {
+std::string comparison_csv(const Comparison& comparison, const std::vector<MeasuredRun>& measured) {
   const std::vector<ProbeColumn> columns = difference_columns(measured);
-  std::string csv =
-      "run,step,time [s],rms [m],max [m],node,a1 [m],a2 [m],hausdorff [m]";
+  std::string csv = "run,step,time [s],rms [m],max [m],node,a1 [m],a2 [m],hausdorff [m]";
   for (const ProbeColumn& column : columns)
     csv += ',' + csv_field("difference of " + header_of(column));
   csv += '\n';
@@ -102,10 +100,10 @@ std::string comparison_csv(const Comparison& comparison,
         add_number(csv, value);
       for (const ProbeColumn& column : columns) {
         const auto found = std::ranges::find(differences.probes, column.name);
-        add_number(csv, found == differences.probes.end()
-                            ? kNone
-                            : row.probes[static_cast<std::size_t>(
-                                  found - differences.probes.begin())]);
+        add_number(csv,
+                   found == differences.probes.end()
+                       ? kNone
+                       : row.probes[static_cast<std::size_t>(found - differences.probes.begin())]);
       }
       csv += '\n';
     }

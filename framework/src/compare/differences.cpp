@@ -91,8 +91,8 @@ const Difference* RunDifferences::parting(double tolerance) const {
 RunDifferences differences(const RecordedRun& run, const RecordedRun& reference) {
   RunDifferences all;
   if (!run.trajectory || !reference.trajectory) {
-    all.impossible = run.trajectory ? "the reference has no recorded states"
-                                    : "it has no recorded states";
+    all.impossible =
+        run.trajectory ? "the reference has no recorded states" : "it has no recorded states";
     return all;
   }
   try {

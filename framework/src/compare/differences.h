@@ -18,7 +18,8 @@ struct Difference {
   Index node = 0;        ///< where
   Vec2 where{0, 0};      ///< (a1, a2) of it [m]
   double hausdorff = 0;  ///< distance of the surfaces as sets of points [m]
-  std::vector<double> probes;  ///< run − reference, of RunDifferences::probes; NaN where there is none
+  std::vector<double>
+      probes;  ///< run − reference, of RunDifferences::probes; NaN where there is none
 };
 
 struct RunDifferences {

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <muParser.h>
 #include <optional>
 
 #include <fmt/format.h>
-#include <muParser.h>
 
 #include "deform/error.h"
 
@@ -83,9 +83,10 @@ std::optional<std::string> objection(const std::string& claim,
                         claim.find("==") != std::string::npos ||
                         claim.find("!=") != std::string::npos;
   if (!compares || formula.figures.empty())
-    return fmt::format("found \"{}\", expected a comparison (<, <=, >, >=, ==, !=) of at least one "
-                       "RUN.FIGURE",
-                       claim);
+    return fmt::format(
+        "found \"{}\", expected a comparison (<, <=, >, >=, ==, !=) of at least one "
+        "RUN.FIGURE",
+        claim);
   return std::nullopt;
 }
 

@@ -33,8 +33,8 @@ class TriangleTree {
     boxes.reserve(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f) {
       const Vec3 a = corner(f, 0), b = corner(f, 1), c = corner(f, 2);
-      boxes.emplace_back(
-          Box(point(a.cwiseMin(b).cwiseMin(c)), point(a.cwiseMax(b).cwiseMax(c))), f);
+      boxes.emplace_back(Box(point(a.cwiseMin(b).cwiseMin(c)), point(a.cwiseMax(b).cwiseMax(c))),
+                         f);
     }
     tree_ = Tree(boxes.begin(), boxes.end());
   }

@@ -61,7 +61,8 @@ class ParameterPlane {
   [[nodiscard]] Vec2 corner(std::size_t t, std::size_t k) const {
     return parameters_.row(triangles_[t][k]).transpose();
   }
-  /// A triangle between two joined sides of a periodic surface goes the long way round in the plane.
+  /// A triangle between two joined sides of a periodic surface goes the long way round in the
+  /// plane.
   [[nodiscard]] bool joins_sides(std::size_t t, const Vec2& extent) const {
     const Vec2 a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
     const Vec2 span = a.cwiseMax(b).cwiseMax(c) - a.cwiseMin(b).cwiseMin(c);
@@ -98,9 +99,10 @@ MeshMap::MeshMap(const TrajectoryMesh& mesh, const Eigen::MatrixX2d& places) {
   for (Index i = 0; i < places.rows(); ++i) {
     const auto hit = plane.find(places.row(i).transpose());
     if (!hit) {
-      throw InputError(fmt::format("node {} at (a1, a2) = ({:g}, {:g}) m lies outside the other "
-                                   "surface, so the two cannot be compared",
-                                   i, places(i, 0), places(i, 1)));
+      throw InputError(
+          fmt::format("node {} at (a1, a2) = ({:g}, {:g}) m lies outside the other "
+                      "surface, so the two cannot be compared",
+                      i, places(i, 0), places(i, 1)));
     }
     Row row{hit->nodes, hit->weights};
     // Rounding of the parameters must not make a node of the mesh a mixture of its neighbours.

@@ -80,9 +80,9 @@ class Planner {
     std::vector<std::string> chosen;
     for (const std::string& name : request_.variants) {
       if (std::ranges::find(all, name) == all.end()) {
-        problems_.push_back({"/variants", fmt::format("--variants: {} has no variant \"{}\"{}",
-                                                      request_.scene.string(), name,
-                                                      did_you_mean(name, all))});
+        problems_.push_back(
+            {"/variants", fmt::format("--variants: {} has no variant \"{}\"{}",
+                                      request_.scene.string(), name, did_you_mean(name, all))});
       } else if (std::ranges::find(chosen, name) == chosen.end()) {
         chosen.push_back(name);
       }
@@ -182,7 +182,8 @@ class Planner {
         }
       }
     }
-    const bool all = std::ranges::all_of(plan.runs, [](const auto& r) { return !r.refused.empty(); });
+    const bool all =
+        std::ranges::all_of(plan.runs, [](const auto& r) { return !r.refused.empty(); });
     if (all && !problems.empty()) throw InputError(std::move(problems));
   }
 

@@ -12,6 +12,7 @@
 #include "deform/error.h"
 
 #include "simulation/files.h"
+#include "simulation/json_file.h"
 
 namespace deform {
 namespace {
@@ -19,10 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 
 Json read_json(const fs::path& file) {
-  const auto text = read_file(file);
-  if (!text) return {};
-  Json json = Json::parse(*text, nullptr, false);
-  if (!json.is_object()) throw InputError(fmt::format("{} is not what a run writes", file.string()));
+  Json json = read_json_object(file);
+  if (json.is_null() && fs::exists(file))
+    throw InputError(fmt::format("{} is not what a run writes", file.string()));
   return json;
 }
 

@@ -17,6 +17,7 @@
 #include "compare/child_process.h"
 #include "scene/json.h"
 #include "simulation/files.h"
+#include "simulation/json_file.h"
 #include "simulation/manifest.h"
 #include "simulation/plugins_used.h"
 #include "simulation/run_directory.h"
@@ -26,11 +27,6 @@ namespace deform {
 namespace {
 
 namespace fs = std::filesystem;
-
-Json read_json(const fs::path& file) {
-  const auto text = read_file(file);
-  return text ? Json::parse(*text, nullptr, false) : Json();
-}
 
 /// Hashes of the plugin files that a run would use, and did use.
 std::set<std::string> hashes_now(const Scene& scene, const PluginRegistry& registry) {
@@ -51,7 +47,7 @@ std::set<std::string> hashes_then(const Json& manifest) {
 enum class Found : std::uint8_t { nothing, begun, complete };
 
 Found look_for(const PlannedRun& run, const fs::path& folder, const PluginRegistry& registry) {
-  const Json manifest = read_json(folder / "manifest.json");
+  const Json manifest = read_json_object(folder / "manifest.json");
   const auto scene = read_file(folder / "scene.json");
   if (!manifest.is_object() || scene != run.scene.completed) return Found::nothing;
   if (hashes_then(manifest) != hashes_now(run.scene, registry)) return Found::nothing;
@@ -63,7 +59,7 @@ Found look_for(const PlannedRun& run, const fs::path& folder, const PluginRegist
 
 RunOutcome outcome_of(const fs::path& folder, const ChildExit& exit) {
   RunOutcome outcome;
-  const Json summary = read_json(folder / "summary.json");
+  const Json summary = read_json_object(folder / "summary.json");
   if (exit.signal != 0) {
     outcome.status = "crashed";
     outcome.reason = fmt::format("the program was killed by signal {} ({})", exit.signal,
@@ -95,7 +91,8 @@ class Runner {
     for (std::size_t i = 0; i < jobs; ++i) workers.emplace_back([this] { work(); });
     for (std::thread& worker : workers) worker.join();
     if (failure_) std::rethrow_exception(failure_);
-    if (interrupted()) throw Error(ExitCode::interrupted, "interrupted; --resume goes on from there");
+    if (interrupted())
+      throw Error(ExitCode::interrupted, "interrupted; --resume goes on from there");
     return std::move(outcomes_);
   }
 
@@ -138,14 +135,16 @@ class Runner {
     } else {
       fs::remove(folder / "summary.json");  // not that of a run that ends without one
     }
-    return outcome_of(folder, run_child(options_.program.string(), arguments(folder),
-                                        [&](const std::string& line) { return take(i, line); },
-                                        options_.interrupted));
+    return outcome_of(
+        folder, run_child(
+                    options_.program.string(), arguments(folder),
+                    [&](const std::string& line) { return take(i, line); }, options_.interrupted));
   }
 
   [[nodiscard]] std::vector<std::string> arguments(const fs::path& folder) const {
-    std::vector<std::string> all{"run",    (folder / "scene.json").string(), "--out",
-                                 folder.string(), "--resume", "--part-of-comparison"};
+    std::vector<std::string> all{"run",      (folder / "scene.json").string(),
+                                 "--out",    folder.string(),
+                                 "--resume", "--part-of-comparison"};
     all.insert(all.end(), options_.arguments.begin(), options_.arguments.end());
     return all;
   }

@@ -34,7 +34,8 @@ std::vector<Column> columns_of(const Comparison& comparison) {
     for (const Figure& figure : run.figures) {
       const bool final_of_probe = std::ranges::any_of(
           run.figures, [&](const Figure& f) { return f.name == figure.name + ".min"; });
-      if (!final_of_probe || std::ranges::find(columns, figure.name, &Column::figure) != columns.end())
+      if (!final_of_probe ||
+          std::ranges::find(columns, figure.name, &Column::figure) != columns.end())
         continue;
       columns.push_back(
           {figure.name, figure.name, figure.unit, less_is_better(figure.name) ? "lower" : nullptr});
@@ -58,7 +59,8 @@ void add_distances(const Comparison& comparison, std::vector<std::string>& sente
   constexpr std::size_t kMostNamed = 6;
   std::vector<const RunComparison*> apart, close;
   for (const RunComparison& run : comparison.runs)
-    if (measured(run) && run.outcome.status == "done") (run.parting ? apart : close).push_back(&run);
+    if (measured(run) && run.outcome.status == "done")
+      (run.parting ? apart : close).push_back(&run);
   const auto larger = [](const RunComparison* a, const RunComparison* b) {
     return a->figure("distance.max") > b->figure("distance.max");
   };
@@ -106,7 +108,8 @@ std::vector<std::string> sentences_of(const Comparison& comparison) {
   std::vector<std::string> sentences;
   add_distances(comparison, sentences);
   add_failures(comparison, sentences);
-  if (sentences.empty()) sentences.push_back("There is nothing to compare: one run is all there is.");
+  if (sentences.empty())
+    sentences.push_back("There is nothing to compare: one run is all there is.");
   return sentences;
 }
 

@@ -10,7 +10,8 @@
 namespace deform {
 
 /// What can be said of every node of a surface whose samples are its nodes: curvature, each term's
-/// energy, how far its normal is off, and the branch of its estimator. Of other sample sets nothing.
+/// energy, how far its normal is off, and the branch of its estimator. Of other sample sets
+/// nothing.
 class NodeFields {
  public:
   explicit NodeFields(const System& system);

@@ -67,9 +67,7 @@ void Trajectory::read_mesh(std::size_t faces, std::size_t corners) {
   take(mesh_.faces.nodes.data(), corners);
 }
 
-std::size_t Trajectory::frame_bytes() const {
-  return bytes_of_frame(nodes(), fields_.size());
-}
+std::size_t Trajectory::frame_bytes() const { return bytes_of_frame(nodes(), fields_.size()); }
 
 void Trajectory::find_moments() {
   const std::size_t bytes = std::filesystem::file_size(path_);

@@ -6,12 +6,12 @@
 #include <set>
 #include <string>
 #include <thread>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <Eigen/Core>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/resource.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 

@@ -33,8 +33,7 @@ constexpr const char* kTrajectoryBytes = "trajectory/bytes";
 
 std::size_t trajectory_bytes(const Checkpoint& checkpoint) {
   const double bytes = checkpoint.memory.get(kTrajectoryBytes, 1).front();
-  if (!(bytes > 0 && bytes < 0x1p53))
-    throw InputError("its length of the trajectory is not one");
+  if (!(bytes > 0 && bytes < 0x1p53)) throw InputError("its length of the trajectory is not one");
   return static_cast<std::size_t>(bytes);
 }
 

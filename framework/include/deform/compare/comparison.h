@@ -23,10 +23,10 @@ struct Figure {
 /// Where a run first is farther from the reference than the tolerance, at a recorded step.
 struct Parting {
   long step = 0;
-  double time = 0;       ///< [s]
-  Vec2 where{0, 0};      ///< (a1, a2) [m]
-  Index node = 0;        ///< of the surface that has fewer nodes
-  double distance = 0;   ///< [m]
+  double time = 0;      ///< [s]
+  Vec2 where{0, 0};     ///< (a1, a2) [m]
+  Index node = 0;       ///< of the surface that has fewer nodes
+  double distance = 0;  ///< [m]
 };
 
 struct RunComparison {
@@ -36,8 +36,8 @@ struct RunComparison {
   bool is_reference = false;
   std::string impossible;  ///< why it was not measured against the reference; empty: it was
   std::optional<Parting> parting;
-  /// Final figures of the probes by their names, then PROBE.min and PROBE.max, and what differs from
-  /// the reference: see docs/compare.md.
+  /// Final figures of the probes by their names, then PROBE.min and PROBE.max, and what differs
+  /// from the reference: see docs/compare.md.
   std::vector<Figure> figures;
   double ms_per_step = 0;  ///< NaN where no step was timed
 
@@ -54,16 +54,16 @@ struct Claim {
 
 struct ComparisonOptions {
   ComparisonRequest request;
-  RunnerOptions runner;              ///< its folder is the comparison's
-  bool force = false;                ///< replace an existing comparison directory
-  std::filesystem::path expectation;  ///< empty: none
+  RunnerOptions runner;                   ///< its folder is the comparison's
+  bool force = false;                     ///< replace an existing comparison directory
+  std::filesystem::path expectation;      ///< empty: none
   std::vector<std::string> command_line;  ///< for the manifest
 };
 
 struct Comparison {
   std::string reference;
-  double tolerance = 0;             ///< [m]
-  std::vector<RunComparison> runs;  ///< in the order of the plan
+  double tolerance = 0;                ///< [m]
+  std::vector<RunComparison> runs;     ///< in the order of the plan
   std::vector<std::string> sentences;  ///< what came out, the first one being the headline
   std::vector<Claim> claims;
 };

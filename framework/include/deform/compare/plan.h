@@ -32,14 +32,14 @@ struct ComparisonRequest {
   /// A run's name, "refined" or "refined:VARIANT". Empty: as the scene says; if that is no run, the
   /// one that changes nothing, else the first.
   std::string reference;
-  double tolerance = 0;   ///< distance at which runs part [m]; 0: as the scene says
+  double tolerance = 0;  ///< distance at which runs part [m]; 0: as the scene says
 };
 
 /// A run of a comparison.
 struct PlannedRun {
   std::string name;  ///< unique; a folder's name
   Scene scene;
-  std::string refused{};  ///< why it cannot be run: what showed when its parts were made
+  std::string refused{};       ///< why it cannot be run: what showed when its parts were made
   bool plugin_failed = false;  ///< then: a plugin threw, rather than the scene was wrong
 };
 
@@ -57,8 +57,7 @@ inline constexpr std::size_t kMostRuns = 1000;
 /// Reads and checks everything that is to be run. Throws InputError with every problem of the scene
 /// and of what replaces its values; what only shows when a run's parts are made (a force that no
 /// node takes) is a refused run, unless all are.
-[[nodiscard]] DEFORM_API ComparisonPlan
-plan_comparison(const ComparisonRequest& request,
-                const std::shared_ptr<const PluginRegistry>& registry);
+[[nodiscard]] DEFORM_API ComparisonPlan plan_comparison(
+    const ComparisonRequest& request, const std::shared_ptr<const PluginRegistry>& registry);
 
 }  // namespace deform

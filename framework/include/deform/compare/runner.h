@@ -30,13 +30,14 @@ struct RunnerOptions {
 
 /// How a run ended, as a comparison tells it.
 struct RunOutcome {
-  std::string status;  ///< of summary.json ("done", "diverged", …), "refused" or "crashed"
-  std::string reason;  ///< empty when done
+  std::string status;   ///< of summary.json ("done", "diverged", …), "refused" or "crashed"
+  std::string reason;   ///< empty when done
   bool reused = false;  ///< was there already
 };
 
-/// Runs what is not there yet; one outcome a run, in their order. Throws Error when a process cannot
-/// be started or a folder not be written; with ExitCode::interrupted when it was interrupted.
+/// Runs what is not there yet; one outcome a run, in their order. Throws Error when a process
+/// cannot be started or a folder not be written; with ExitCode::interrupted when it was
+/// interrupted.
 [[nodiscard]] DEFORM_API std::vector<RunOutcome> execute_runs(const std::vector<PlannedRun>& runs,
                                                               const PluginRegistry& registry,
                                                               const RunnerOptions& options);

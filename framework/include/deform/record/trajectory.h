@@ -44,9 +44,10 @@ struct Moment {
 /// Reads trajectory.bin of a run directory; frames are read when they are asked for.
 ///
 /// The file, little-endian: the line "deform trajectory 1", the length of what follows up to the
-/// mesh (8 bytes), JSON with the numbers of nodes, faces and corners, `size` and `fields`; the mesh:
-/// parameters (all a1, all a2), areas, the faces' `begin` and `nodes` (int32); then the frames: step
-/// (int64), time, positions (all x, all y, all z; doubles), and a float a node for each field.
+/// mesh (8 bytes), JSON with the numbers of nodes, faces and corners, `size` and `fields`; the
+/// mesh: parameters (all a1, all a2), areas, the faces' `begin` and `nodes` (int32); then the
+/// frames: step (int64), time, positions (all x, all y, all z; doubles), and a float a node for
+/// each field.
 class DEFORM_API Trajectory {
  public:
   /// Throws InputError naming the file and the reason when it is not there or not a trajectory. A

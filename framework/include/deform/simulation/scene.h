@@ -70,7 +70,7 @@ struct DEFORM_API Scene {
   long frames_every = 0;              ///< steps between its frames; 0: see frame_interval
   std::string reference = "base";     ///< of comparisons: a variant's name, or "refined"
   bool base_compared = true;          ///< of comparisons: whether the base is one of the runs
-  double tolerance = 0.01;  ///< of comparisons: distance at which variants part, in sizes
+  double tolerance = 0.01;            ///< of comparisons: distance at which variants part, in sizes
   std::vector<std::string> variants;  ///< names in the order of the file; without "base"
   std::vector<Replacement> changes;   ///< made to the base: the variant's, then replacements
   std::vector<std::string> dropped;   ///< pointers of parameters that Replacement dropped
@@ -79,7 +79,7 @@ struct DEFORM_API Scene {
   /// Where the value at a JSON pointer was written: "FILE:LINE:COLUMN" or "--set POINTER".
   std::function<std::string(const std::string& pointer)> place;
 
-  [[nodiscard]] long steps() const;  ///< duration / step, rounded
+  [[nodiscard]] long steps() const;           ///< duration / step, rounded
   [[nodiscard]] long frame_interval() const;  ///< steps between frames: about a hundred, if unsaid
   /// A problem that shows only when the scene's parts are made, with its place in front of the
   /// message as the problems of the reader have it.
