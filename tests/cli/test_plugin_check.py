@@ -34,6 +34,8 @@ PARAMETERS = {
     "force/spring": [{"anchor": [0.5, 0.4, 0.3], "where": LEFT},
                      {"anchor": [0.5, 0.4, 0.3], "where": LEFT, "rest_length": 0.2}],
     "force/gravity": [{}, {"time": {"ramp": [0, 1]}}],
+    "force/pressure": [{"pressure": 2}, {"pressure": -1, "time": {"ramp": [0, 1]}}],
+    "force/wind": [{}, {"velocity": [3, 1, 2]}, {"velocity": [0, 0, -5], "drag": 0, "friction": 1}],
     "constraint/pin": [{"where": LEFT}, {"where": LEFT, "components": ["z"]}],
     "constraint/move": [{"where": LEFT, "times": [0, 1], "displacements": [[0, 0, 0], [0, 0, 0.1]]}],
 }
@@ -103,6 +105,11 @@ class PluginCheck(unittest.TestCase):
         self.find_out("force", "adding", "adds to what is there")
         self.find_out("force", "neighbours", "a node's force depends on that node alone",
                       "same bits in blocks")
+        for about, name in (("potential", "force = −gradient of the potential"),
+                            ("bound", "−∂f/∂v is at most the damping that bounds it"),
+                            ("stiffness", "a bound of the damping comes without a stiffness")):
+            self.find_out("force", about, name, name="coupled_liar")
+        self.check(FIXTURES / "force-coupled_liar.so", {"about": "nothing"})
 
     def test_constraints(self):
         self.find_out("constraint", "others", "writes no component that it did not reserve")

@@ -24,7 +24,9 @@ struct Cloud {
             .v = rows_from(v, first),
             .normal = field.traits().normals ? rows_from(normal, first) : ConstVectors{},
             .area = {area.data() + first, count},
-            .mass = {mass.data() + first, count}};
+            .mass = {mass.data() + first, count},
+            .all_r = field.traits().neighbours ? rows_from(r, 0) : ConstVectors{},
+            .all_v = field.traits().neighbours ? rows_from(v, 0) : ConstVectors{}};
   }
   [[nodiscard]] NodeVectors force() const {
     NodeVectors f = NodeVectors::Zero(r.rows(), 3);
@@ -33,8 +35,22 @@ struct Cloud {
   }
   [[nodiscard]] NodeValues potential() const {
     NodeValues energy = NodeValues::Zero(r.rows());
-    field.add_potential(block(0, r.rows()), {energy.data(), static_cast<std::size_t>(r.rows())});
+    field.add_potential(block(0, r.rows()), values_of(energy));
     return energy;
+  }
+  /// (N) The factors of add_tangent.
+  struct Tangent {
+    NodeValues stiffness, damping;
+  };
+  [[nodiscard]] Tangent tangent() const {
+    Tangent t{NodeValues::Zero(r.rows()), NodeValues::Zero(r.rows())};
+    field.add_tangent(block(0, r.rows()), values_of(t.stiffness), values_of(t.damping));
+    return t;
+  }
+
+ private:
+  [[nodiscard]] static Values values_of(NodeValues& v) {
+    return {v.data(), static_cast<std::size_t>(v.size())};
   }
 };
 
@@ -64,7 +80,7 @@ Evaluate evaluation(const Cloud& c) {
       std::vector<GuardedRoom> rooms(6, GuardedRoom(size, prefill));
       const NodeBlock block = c.block(first, size);
       c.field.add_force(block, {rooms[0].data(), rooms[1].data(), rooms[2].data()});
-      if (traits.isotropic_tangent)
+      if (traits.isotropic_tangent || traits.damping_bound)
         c.field.add_tangent(block, rooms[3].values(), rooms[4].values());
       if (traits.potential) c.field.add_potential(block, rooms[5].values());
       for (Index i = 0; i < size; ++i)
@@ -77,6 +93,32 @@ Evaluate evaluation(const Cloud& c) {
 }
 
 double relative(double error, double scale) { return error == 0 ? 0 : error / scale; }
+
+/// Vectors of about unit length at n nodes, the same for the same seed.
+NodeVectors random_directions(Index n, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  return NodeVectors::NullaryExpr(n, 3, [&] { return uniform(random); });
+}
+
+constexpr const char* kIsGradient = "force = −gradient of the potential, as promised";
+
+/// The whole energy along some directions: nodes depend on each other.
+void check_joint_potential(Cloud c, Checks& checks) {
+  constexpr double h = 1e-4;
+  const NodeVectors force = c.force(), r = c.r;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const NodeVectors w = random_directions(r.rows(), seed);
+    const auto energy_at = [&](double step) {
+      c.r = r + step * w;
+      return c.potential().sum();
+    };
+    const double slope =
+        (8 * (energy_at(h) - energy_at(-h)) - (energy_at(2 * h) - energy_at(-2 * h))) / (12 * h);
+    checks.below(kIsGradient, relative(std::abs(force.cwiseProduct(w).sum() + slope), force.norm()),
+                 1e-6);
+  }
+}
 
 /// Every node is moved at once: a node's force and energy depend on that node alone.
 void check_potential(Cloud c, Checks& checks) {
@@ -92,8 +134,7 @@ void check_potential(Cloud c, Checks& checks) {
     difference.col(k) =
         -(8 * (energy_at(h) - energy_at(-h)) - (energy_at(2 * h) - energy_at(-2 * h))) / (12 * h);
   }
-  checks.below("force = −gradient of the potential, as promised",
-               relative((force - difference).norm(), force.norm()), 1e-6);
+  checks.below(kIsGradient, relative((force - difference).norm(), force.norm()), 1e-6);
 }
 
 /// −∂f/∂x against the factor that add_tangent gives; x: positions or velocities.
@@ -117,11 +158,38 @@ void check_tangent(Cloud c, NodeVectors Cloud::*x, const NodeValues& factor, con
 }
 
 void check_tangents(const Cloud& c, Checks& checks) {
-  NodeValues stiffness = NodeValues::Zero(c.r.rows()), damping = stiffness;
-  const auto size = static_cast<std::size_t>(c.r.rows());
-  c.field.add_tangent(c.block(0, c.r.rows()), {stiffness.data(), size}, {damping.data(), size});
+  const auto [stiffness, damping] = c.tangent();
   check_tangent(c, &Cloud::r, stiffness, "−∂f/∂r = the stiffness of its tangent", checks);
   check_tangent(c, &Cloud::v, damping, "−∂f/∂v = the damping of its tangent", checks);
+}
+
+/// The largest −w·(∂f/∂v) w / Σ d |w|² that a power iteration finds: at most 1 where d is a bound.
+void check_damping_bound(Cloud c, Checks& checks) {
+  constexpr double h = 1e-5;
+  const auto [stiffness, damping] = c.tangent();
+  checks.holds("a bound of the damping comes without a stiffness", stiffness.isZero(0),
+               "it has written one");
+  const NodeVectors v = c.v;
+  const auto drag = [&](const NodeVectors& w) {  // −(∂f/∂v) w
+    c.v = v - h * w;
+    NodeVectors f = c.force();
+    c.v = v + h * w;
+    f -= c.force();
+    return NodeVectors(f / (2 * h));
+  };
+  const double floor = 1e-12 * damping.maxCoeff();  // nodes that nothing holds back
+  NodeVectors w = random_directions(v.rows(), 1);
+  double largest = 0;
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    const NodeVectors dragged = drag(w);
+    const double bound = w.rowwise().squaredNorm().dot(damping);
+    largest = std::max(largest, relative(dragged.cwiseProduct(w).sum(), bound));
+    if (floor == 0 || dragged.isZero(0)) break;
+    for (int k = 0; k < 3; ++k)
+      w.col(k) = dragged.col(k).array() / (damping.array().max(floor) + floor);
+    w /= w.cwiseAbs().maxCoeff();
+  }
+  checks.below("−∂f/∂v is at most the damping that bounds it", largest, 1 + 1e-6);
 }
 
 /// Moves every other node and looks at the rest.
@@ -149,9 +217,11 @@ void check_force_contract(const Subject& subject, Checks& checks) {
       for (const double time : {0.0, 0.37, 5.0}) {
         const Cloud c = cloud(made, time);
         check_evaluation(checks, evaluation(c), true);
-        check_locality(c, checks);
-        if (traits.potential) check_potential(c, checks);
+        if (!traits.neighbours) check_locality(c, checks);
+        if (traits.potential)
+          traits.neighbours ? check_joint_potential(c, checks) : check_potential(c, checks);
         if (traits.isotropic_tangent) check_tangents(c, checks);
+        if (traits.damping_bound) check_damping_bound(c, checks);
         checks.report("largest force on a node", c.force().rowwise().norm().maxCoeff(), "N");
       }
     });

@@ -10,8 +10,8 @@ ForceField::~ForceField() = default;
 
 void ForceField::add_tangent(const NodeBlock& /*nodes*/, Values /*stiffness*/,
                              Values /*damping*/) const {
-  if (traits().isotropic_tangent) {
-    throw PluginFailure("a force field declares isotropic_tangent without add_tangent");
+  if (traits().isotropic_tangent || traits().damping_bound) {
+    throw PluginFailure("a force field declares a tangent or a bound of it without add_tangent");
   }
 }
 

@@ -24,6 +24,7 @@ ExternalForces::ExternalForces(const ModelParts& parts)
   for (const auto& f : forces_) {
     traits_.push_back(guarded(f.origin, "saying what it is", [&] { return f.object->traits(); }));
     needs_normals_ = needs_normals_ || traits_.back().normals;
+    needs_neighbours_ = needs_neighbours_ || traits_.back().neighbours;
   }
 }
 
@@ -47,7 +48,9 @@ void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals
                     .v = rows_from(*v, first),
                     .normal = needs_normals_ ? rows_from(*n, first) : ConstVectors{},
                     .area = {areas_.data() + first, static_cast<std::size_t>(size)},
-                    .mass = {mass_.data() + first, static_cast<std::size_t>(size)}};
+                    .mass = {mass_.data() + first, static_cast<std::size_t>(size)},
+                    .all_r = needs_neighbours_ ? rows_from(*r, 0) : ConstVectors{},
+                    .all_v = needs_neighbours_ ? rows_from(*v, 0) : ConstVectors{}};
     for (std::size_t i = 0; i < forces_.size(); ++i)
       if (only == nullptr || only == &forces_[i])
         guarded(forces_[i].origin, "computing its force",
@@ -74,7 +77,7 @@ void ExternalForces::add_tangent(const State& state, const NodeVectors& normals,
                                  const Named<ForceField>* only) {
   visit_blocks(state, normals, only,
                [&](const ForceField& field, const ForceTraits& traits, const NodeBlock& block) {
-                 if (!traits.isotropic_tangent) return;
+                 if (!traits.isotropic_tangent && !traits.damping_bound) return;
                  const auto size = static_cast<std::size_t>(block.size);
                  field.add_tangent(block, {stiffness.data() + block.first, size},
                                    {damping.data() + block.first, size});

@@ -19,7 +19,7 @@ class ExternalForces {
   /// f += forces at a state; normals (N × 3) only where needed.
   void add_force(const State& state, const NodeVectors& normals, NodeVectors& f,
                  const Named<ForceField>* only = nullptr);
-  /// Adds the scalar tangents of the isotropic ones [N/m], [N·s/m].
+  /// Adds the scalar tangents, or what bounds them, of those that have any [N/m], [N·s/m].
   void add_tangent(const State& state, const NodeVectors& normals, NodeValues& stiffness,
                    NodeValues& damping, const Named<ForceField>* only = nullptr);
   /// (N) Potential energy at each node [J].
@@ -36,7 +36,7 @@ class ExternalForces {
   const NodeValues areas_;
   const NodeValues mass_;
   bool mirrored_;
-  bool needs_normals_ = false;
+  bool needs_normals_ = false, needs_neighbours_ = false;
   NodeVectors r_, v_, n_, f_;  // reflected
 };
 

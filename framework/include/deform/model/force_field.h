@@ -16,6 +16,8 @@ struct NodeBlock {
   ConstVectors normal;  ///< exact unit normals; only when traits().normals
   ConstValues area;     ///< parameter area of each node [m²]
   ConstValues mass;     ///< [kg]
+  ConstVectors all_r;   ///< positions of all nodes, by number [m]; only when traits().neighbours
+  ConstVectors all_v;   ///< velocities, likewise [m/s]
 };
 
 struct ForceTraits {
@@ -24,10 +26,19 @@ struct ForceTraits {
   /// Offers `add_tangent`, whose ∂f/∂r and ∂f/∂v are scalar multiples of the identity: linearly
   /// implicit steps, one N × N matrix for x, y and z, then take the force implicitly.
   bool isotropic_tangent = false;
+  /// Reads NodeBlock::all_r and all_v: a node's force depends on other nodes, too (forces on
+  /// faces).
+  bool neighbours = false;
+  /// Offers `add_tangent` with a damping d that only bounds −∂f/∂v, and no stiffness:
+  /// −Σ_ab w_a·(∂f_a/∂v_b) w_b ≤ Σ_a d_a |w_a|² for all w. Linearly implicit steps take
+  /// f(v⁺) ≈ f(v) − d (v⁺ − v): of first order in the step, as with the tangent itself, and the
+  /// bound sees to it that drag cannot overshoot.
+  bool damping_bound = false;
 };
 
 /// An external force. Contract: const and thread-safe on blocks of nodes; adds; a node's force
-/// depends on that node alone.
+/// depends on that node alone unless traits().neighbours. The same bits however the nodes are cut
+/// into blocks: what a node shares with others, it computes for itself, in a fixed order.
 class DEFORM_API ForceField : public Plugin {
  public:
   static constexpr PluginKind kKind = PluginKind::force;
@@ -36,9 +47,10 @@ class DEFORM_API ForceField : public Plugin {
   [[nodiscard]] virtual ForceTraits traits() const { return {}; }
   /// Adds the force on each node [N].
   virtual void add_force(const NodeBlock& nodes, Vectors force) const = 0;
-  /// Adds −∂f/∂r [N/m] and −∂f/∂v [N·s/m] of each node (the scalar factors of the identity).
+  /// Adds −∂f/∂r [N/m] and −∂f/∂v [N·s/m] of each node (the scalar factors of the identity), or
+  /// the damping that bounds it.
   virtual void add_tangent(const NodeBlock& nodes, Values stiffness, Values damping) const;
-  /// Adds the potential energy of each node [J].
+  /// Adds the potential energy of each node [J]; the force is −∇ of their sum.
   virtual void add_potential(const NodeBlock& nodes, Values energy) const;
 };
 

@@ -99,8 +99,8 @@ class DEFORM_API System {
   void evaluate_with_operator(const State& state);
   /// (N × 3) internal plus external forces of the last evaluation [N].
   [[nodiscard]] const NodeVectors& force() const;
-  /// (N) −∂f/∂v of force fields with an isotropic tangent, of the last evaluate_with_operator
-  /// [N·s/m].
+  /// (N) −∂f/∂v, or what bounds it, of force fields that say so, of the last
+  /// evaluate_with_operator [N·s/m].
   [[nodiscard]] const NodeValues& force_damping() const;
   /// The lagged operator K (N × N, shared by x, y, z) of the last evaluate_with_operator.
   [[nodiscard]] const SparseMatrix& lagged_operator() const;

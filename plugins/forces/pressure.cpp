@@ -1,0 +1,98 @@
+#include <algorithm>
+
+#include <deform/model/force_field.h>
+
+#include "corners_of_nodes.h"
+
+namespace {
+using namespace deform;
+
+struct Parameters {
+  double pressure = 0;
+  TimeProfile time;
+  static void declare(Declaration<Parameters>& d) {
+    d("pressure", &Parameters::pressure, "N/m²",
+      "pascals by which it is higher on the side that n does not point to: pushes along n")
+        .required();
+    d("time", &Parameters::time, "1", "factor of the pressure over time");
+  }
+};
+
+/// True when every edge is gone along once in each direction: the surface has no boundary.
+bool is_closed(const Faces& faces) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> there, back;
+  for (Index f = 0; f < faces.size(); ++f) {
+    const std::int32_t* node = faces.nodes.data() + faces.begin[f];
+    const int corners = faces.begin[f + 1] - faces.begin[f];
+    for (int c = 0; c < corners; ++c) {
+      there.emplace_back(node[c], node[(c + 1) % corners]);
+      back.emplace_back(node[(c + 1) % corners], node[c]);
+    }
+  }
+  std::sort(there.begin(), there.end());
+  std::sort(back.begin(), back.end());
+  return !there.empty() && there == back &&
+         std::adjacent_find(there.begin(), there.end()) == there.end();
+}
+
+/// A follower load: it turns and grows with the faces. Each polygon stands for the triangles
+/// between its edges and the mean m of its corners (two triangles side by side in the mean of both
+/// diagonals, for a quadrilateral); a triangle shares p times its area vector equally, and m
+/// passes its part on to all corners. Where the faces around a node close, that is p times the
+/// gradient of the volume below the surface, exactly. At an open border it is what a uniform
+/// pressure puts there, p times the total area vector in sum, but has no potential, as no such
+/// load has.
+class Pressure final : public ForceField {
+ public:
+  Pressure(const Parameters& p, const Setup& setup)
+      : pressure_(p.pressure),
+        time_(p.time),
+        corners_(setup.surface()),
+        closed_(is_closed(corners_.faces())) {}
+
+  [[nodiscard]] ForceTraits traits() const override {
+    return {.potential = closed_, .neighbours = true};
+  }
+
+  void add_force(const NodeBlock& nodes, Vectors force) const override {
+    const double p = time_(nodes.time) * pressure_;
+    for (Index i = 0; i < nodes.size; ++i)
+      force.add(i, p * volume_gradient(nodes.first + i, nodes.all_r));
+  }
+  /// −p V: as V is homogeneous of degree 3, 3 V = Σ r_a·∂V/∂r_a.
+  void add_potential(const NodeBlock& nodes, Values energy) const override {
+    const double p = time_(nodes.time) * pressure_;
+    for (Index i = 0; i < nodes.size; ++i)
+      energy[i] -= p / 3 * nodes.r[i].dot(volume_gradient(nodes.first + i, nodes.all_r));
+  }
+
+ private:
+  [[nodiscard]] Vec3 volume_gradient(Index node, ConstVectors r) const {
+    Vec3 sum = Vec3::Zero();
+    for (const auto& [face, c] : corners_.of(node)) {
+      const std::size_t k = face.size();
+      const Vec3 m = mean(face, r);
+      const Vec3 before = r[face[(c + k - 1) % k]], after = r[face[(c + 1) % k]];
+      // The two triangles of which the node is a corner, and its part of what m bears.
+      sum += (r[node] - m).cross(after - before) / 6 +
+             area_vector(face, r, m) / static_cast<double>(3 * k);
+    }
+    return sum;
+  }
+
+  double pressure_;
+  TimeProfile time_;
+  CornersOfNodes corners_;
+  bool closed_;
+};
+
+}  // namespace
+
+DEFORM_PLUGIN(Pressure, Parameters, .name = "pressure", .version = "1.0",
+              .summary =
+                  "a uniform difference of pressure between both sides; with a potential, −p V, "
+                  "on a surface without boundary",
+              .formula =
+                  "f_a = p ∂V/∂r_a, V = Σ ⟨m, r_b × r_c⟩/6 over the faces' edges bc, m: "
+                  "mean of the face's corners",
+              .source = "the gradient of a polyhedron's volume")
