@@ -36,6 +36,7 @@ PARAMETERS = {
     "force/gravity": [{}, {"time": {"ramp": [0, 1]}}],
     "force/pressure": [{"pressure": 2}, {"pressure": -1, "time": {"ramp": [0, 1]}}],
     "force/wind": [{}, {"velocity": [3, 1, 2]}, {"velocity": [0, 0, -5], "drag": 0, "friction": 1}],
+    "probe/folds": [{"where": {"boundary": "bottom"}}],
     "constraint/pin": [{"where": LEFT}, {"where": LEFT, "components": ["z"]}],
     "constraint/move": [{"where": LEFT, "times": [0, 1], "displacements": [[0, 0, 0], [0, 0, 0.1]]}],
 }

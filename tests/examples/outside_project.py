@@ -139,15 +139,15 @@ class NewPlugin(Outside):
                              "--plugin-path", plugins, "--out", self.folder / "runs" / kind)
 
     def test_one_alone(self):
-        said = self.new("force", "wind").stdout
-        project = self.folder / "wind"
+        said = self.new("force", "breeze").stdout
+        project = self.folder / "breeze"
         self.assertEqual(sorted(path.name for path in project.iterdir()),
-                         ["CMakeLists.txt", "README.md", "scene.json", "wind.cpp"])
+                         ["CMakeLists.txt", "README.md", "scene.json", "breeze.cpp"])
         self.assertNotIn("@", "".join(path.read_text() for path in project.iterdir()))
-        self.assertIn("deform plugin check wind/build/force-wind.so", said)
+        self.assertIn("deform plugin check breeze/build/force-breeze.so", said)
         self.build(project)
         self.command(self.program, "run", project / "scene.json", "--plugin-path",
-                     project / "build", "--out", self.folder / "runs" / "wind")
+                     project / "build", "--out", self.folder / "runs" / "breeze")
 
     def test_refusals(self):
         existing = self.folder / "existing"
