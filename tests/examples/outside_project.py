@@ -142,7 +142,7 @@ class NewPlugin(Outside):
         said = self.new("force", "breeze").stdout
         project = self.folder / "breeze"
         self.assertEqual(sorted(path.name for path in project.iterdir()),
-                         ["CMakeLists.txt", "README.md", "scene.json", "breeze.cpp"])
+                         ["CMakeLists.txt", "README.md", "breeze.cpp", "scene.json"])
         self.assertNotIn("@", "".join(path.read_text() for path in project.iterdir()))
         self.assertIn("deform plugin check breeze/build/force-breeze.so", said)
         self.build(project)
