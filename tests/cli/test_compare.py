@@ -182,6 +182,7 @@ class Failures(CompareTest):
                 (("--vary", "/energies/1/xi=1,-1"), ["-1", ">= 0"]),
                 (("--expect", "nothing.json"), ["nothing.json"]),
                 (("--tolerance", "0"), ["tolerance"]),
+                (("--set", "/title=x", "--variants", "refined"), ['"refined"']),
         ):
             done, folder = self.compare(sheet(), *arguments, code=2)
             for word in words:
@@ -228,6 +229,12 @@ class Vary(CompareTest):
                          ["nodes=9_9", "nodes=17_17"])
         self.assertGreater(self.figures(folder)["nodes=17_17"]["distance.max"], 0)
 
+    def test_without_common_times_nothing_is_measured(self):
+        _, folder = self.compare(sheet(duration=0.06), "--vary", "/integrator/step=0.02,0.007")
+        run = self.summary(folder)["variants"][1]
+        self.assertIn("no recorded time but the start", run["not_measured"])
+        self.assertNotIn("distance", run["figures"])
+
     def test_steps_of_different_size_meet_at_equal_times(self):
         _, folder = self.compare(sheet(), "--vary", "/integrator/step=0.02,0.04")
         times = [float(row["time [s]"]) for row in self.rows(folder)]
@@ -236,7 +243,20 @@ class Vary(CompareTest):
             self.assertAlmostEqual(time_, 0.04 * i, places=12)
 
 
+class Names(CompareTest):
+    def test_names_that_mean_something_else(self):
+        for name in ("refined", "report.html", "x" * 300):
+            done, folder = self.compare(sheet(variants={name: {}}), code=2)
+            self.assertIn("cannot be called", done.stderr)
+            self.assertFalse(folder.exists())
+
+
 class Refined(CompareTest):
+    def test_the_largest_distance_sees_what_is_between_the_nodes(self):
+        _, folder = self.compare(sheet(variants={}), "--reference", "refined")
+        for row in self.rows(folder):
+            self.assertLessEqual(float(row["hausdorff [m]"]), float(row["max [m]"]) * (1 + 1e-12))
+
     def test_error_falls_with_the_grid(self):
         """A coarser grid is farther from the same refined reference of its own kind."""
         errors = []
@@ -301,6 +321,13 @@ class Resume(CompareTest):
         changed = {name for name, then in times.items()
                    if (folder / name / "manifest.json").stat().st_mtime_ns != then}
         self.assertEqual(changed, {"exact"})
+
+    def test_a_damaged_trajectory_is_run_again(self):
+        _, folder = self.compare(sheet())
+        whole = (folder / "comparison.csv").read_bytes()
+        os.truncate(folder / "base" / "trajectory.bin", 100)
+        _, folder = self.compare(sheet(), "--resume")
+        self.assertEqual((folder / "comparison.csv").read_bytes(), whole)
 
     def test_other_plugin_file_is_run_again(self):
         _, folder = self.compare(sheet())

@@ -82,6 +82,8 @@ Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan
     run.is_reference = i == reference;
     const RunDifferences& different = measured[i].differences;
     if (!run.is_reference) run.impossible = different.impossible;
+    run.compared = different.rows.size();
+    run.recorded = different.recorded;
     if (const Difference* at = different.parting(comparison.tolerance))
       run.parting = Parting{at->moment.step, at->moment.time, at->where, at->node, at->max};
     run.figures = figures_of(measured[i].recorded, different, run.parting, run.outcome);

@@ -28,14 +28,18 @@ class SurfacePair {
     const NodeVectors r = run_.positions(frame), s = reference_.positions(reference_frame);
     const NodeValues at_run = (r - to_run_.apply(s)).rowwise().norm();
     const NodeValues at_reference = (to_reference_.apply(r) - s).rowwise().norm();
+    // The root mean square at the nodes of the coarser surface, the largest at those of both: what
+    // lies between the coarser one's nodes must not be missed.
     const bool fewer = at_run.size() <= at_reference.size();
     const NodeValues& distances = fewer ? at_run : at_reference;
     const TrajectoryMesh& mesh = fewer ? run_.mesh() : reference_.mesh();
     Difference difference;
     difference.moment = run_.moments()[frame];
     difference.rms = std::sqrt(distances.cwiseAbs2().dot(mesh.areas) / mesh.areas.sum());
-    difference.max = distances.maxCoeff(&difference.node);
-    difference.where = mesh.parameters.row(difference.node).transpose();
+    const bool largest_at_run = at_run.maxCoeff() >= at_reference.maxCoeff();
+    difference.max = (largest_at_run ? at_run : at_reference).maxCoeff(&difference.node);
+    const TrajectoryMesh& place = largest_at_run ? run_.mesh() : reference_.mesh();
+    difference.where = place.parameters.row(difference.node).transpose();
     difference.hausdorff =
         hausdorff_distance(r, run_faces_, at_run, s, reference_faces_, at_reference);
     return difference;
@@ -104,7 +108,12 @@ RunDifferences differences(const RecordedRun& run, const RecordedRun& reference)
     all.impossible = e.what();
     return all;
   }
-  if (all.rows.empty()) all.impossible = "it has no recorded time in common with the reference";
+  all.recorded = run.trajectory->frames();
+  if (all.rows.empty() || (all.rows.size() == 1 && all.recorded > 1)) {
+    all.rows.clear();
+    all.impossible = "it has no recorded time but the start in common with the reference";
+    return all;
+  }
   add_probes(run.probes, reference.probes, all);
   return all;
 }

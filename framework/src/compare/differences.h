@@ -9,8 +9,9 @@
 
 namespace deform {
 
-/// At one recorded time. Nodes are compared with the points of equal parameters; where the two
-/// surfaces have different nodes, at those of the one that has fewer.
+/// At one recorded time. Nodes are compared with the points of equal parameters. Where the two
+/// surfaces have different nodes, the largest distance is that at the nodes of both, the root mean
+/// square that at the nodes of the one that has fewer.
 struct Difference {
   Moment moment;         ///< as the compared run counts
   double rms = 0;        ///< of the distances of nodes, weighted by their areas [m]
@@ -25,7 +26,8 @@ struct Difference {
 struct RunDifferences {
   std::vector<std::string> probes, units;  ///< that both have
   std::vector<Difference> rows;
-  std::string impossible;  ///< why there are no rows; else empty
+  std::size_t recorded = 0;  ///< frames of the run: there may be fewer rows
+  std::string impossible;    ///< why there are no rows; else empty
 
   /// The first row whose largest distance is more than `tolerance` [m].
   [[nodiscard]] const Difference* parting(double tolerance) const;

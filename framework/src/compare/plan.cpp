@@ -54,6 +54,7 @@ class Planner {
     const std::vector<Scene> written = read_variants(request_.scene, *registry_);
     const std::vector<std::string> variants = chosen_variants(written);
     plan_runs(variants);
+    check_names();
     throw_problems();
     const Scene base = read_scene(request_.scene, *registry_, request_.replacements);
     ComparisonPlan plan;
@@ -116,6 +117,22 @@ class Planner {
         if (problems_.size() >= SceneProblems::kMost) return;
         if (said_.insert(problem.message).second) problems_.push_back(problem);
       }
+    }
+  }
+
+  /// Names become folders of the comparison directory, beside its files.
+  void check_names() {
+    constexpr std::size_t kLongest = 200;
+    for (const PlannedRun& run : runs_) {
+      const bool is_file = run.name == "comparison.csv" || run.name == "cost.csv" ||
+                           run.name == "summary.json" || run.name == "manifest.json" ||
+                           run.name == "report.html" || run.name == "report.png";
+      if (is_file || run.name == kRefined || run.name.size() > kLongest)
+        problems_.push_back(
+            {"/variants",
+             fmt::format("{}: a run cannot be called \"{}\", expected at most {} characters and no "
+                         "name that a comparison has for something else",
+                         request_.scene.string(), run.name.substr(0, 60), kLongest)});
     }
   }
 

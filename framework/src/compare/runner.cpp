@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "deform/error.h"
+#include "deform/record/trajectory.h"
 
 #include "compare/child_process.h"
 #include "scene/json.h"
@@ -43,6 +44,15 @@ std::set<std::string> hashes_then(const Json& manifest) {
   return hashes;
 }
 
+/// False for a trajectory that is there and cannot be read.
+bool is_whole(const fs::path& trajectory) {
+  try {
+    return !fs::exists(trajectory) || Trajectory(trajectory).frames() > 0;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 /// What a run directory has of a planned run.
 enum class Found : std::uint8_t { nothing, begun, complete };
 
@@ -54,7 +64,8 @@ Found look_for(const PlannedRun& run, const fs::path& folder, const PluginRegist
   const auto status = manifest.value("status", "");
   // A divergence is a result, which comes again; a plugin may have failed for another reason.
   const bool complete = status == "done" || status == "diverged";
-  return complete && fs::exists(folder / "summary.json") ? Found::complete : Found::begun;
+  if (!complete || !fs::exists(folder / "summary.json")) return Found::begun;
+  return is_whole(folder / kTrajectoryFile) ? Found::complete : Found::nothing;
 }
 
 RunOutcome outcome_of(const fs::path& folder, const ChildExit& exit) {

@@ -50,7 +50,7 @@ bool measured(const RunComparison& run) {
 
 /// "off since 0.2 s" of runs that part.
 std::string apart_sentence(const RunComparison& run, const std::string& reference) {
-  return fmt::format("{} is {} from {} at the most, off since {:.3g} s.", run.name,
+  return fmt::format("{} is {} from {} at the most, first off at {:.3g} s.", run.name,
                      length_text(run.figure("distance.max")), reference, run.parting->time);
 }
 
@@ -77,6 +77,17 @@ void add_distances(const Comparison& comparison, std::vector<std::string>& sente
   sentences.push_back(fmt::format("{} within {} of {} (tolerance {}).", who,
                                   length_text(close.front()->figure("distance.max")),
                                   comparison.reference, length_text(comparison.tolerance)));
+}
+
+/// Runs that were measured at some of their times only, as those of another step or a diverged
+/// reference are.
+void add_gaps(const Comparison& comparison, std::vector<std::string>& sentences) {
+  for (const RunComparison& run : comparison.runs)
+    if (run.compared > 0 && run.compared + 1 < run.recorded)
+      sentences.push_back(
+          fmt::format("{} was compared at {} of its {} recorded times: {} has no "
+                      "others in common with it.",
+                      run.name, run.compared, run.recorded, comparison.reference));
 }
 
 void add_failures(const Comparison& comparison, std::vector<std::string>& sentences) {
@@ -107,6 +118,7 @@ std::string length_text(double metres) {
 std::vector<std::string> sentences_of(const Comparison& comparison) {
   std::vector<std::string> sentences;
   add_distances(comparison, sentences);
+  add_gaps(comparison, sentences);
   add_failures(comparison, sentences);
   if (sentences.empty())
     sentences.push_back("There is nothing to compare: one run is all there is.");

@@ -35,6 +35,7 @@ struct RunComparison {
   std::vector<std::string> dropped;  ///< pointers of parameters that a varied plugin does not have
   bool is_reference = false;
   std::string impossible;  ///< why it was not measured against the reference; empty: it was
+  std::size_t compared = 0, recorded = 0;  ///< recorded times at which it was measured, and all
   std::optional<Parting> parting;
   /// Final figures of the probes by their names, then PROBE.min and PROBE.max, and what differs
   /// from the reference: see docs/compare.md.
