@@ -44,21 +44,11 @@ std::vector<Column> all_columns(const Comparison& comparison) {
       column("step [ms]", comparison,
              [](const RunComparison& run) { return number(run.ms_per_step); }),
   };
-  const auto has_range = [](const RunComparison& run, const Figure& figure) {
-    return std::ranges::any_of(run.figures,
-                               [&](const Figure& f) { return f.name == figure.name + ".min"; });
-  };
-  std::vector<std::string> known;
-  for (const RunComparison& run : comparison.runs) {
-    for (const Figure& figure : run.figures) {
-      const bool is_new = std::ranges::find(known, figure.name) == known.end();
-      if (!is_new || !has_range(run, figure)) continue;
-      known.push_back(figure.name);
-      const std::string unit = figure.unit.empty() ? "" : " [" + figure.unit + "]";
-      columns.push_back(column(figure.name + unit, comparison, [&](const RunComparison& r) {
-        return number(r.figure(figure.name));
-      }));
-    }
+  for (const Figure& probe : probe_columns(comparison)) {
+    const std::string unit = probe.unit.empty() ? "" : " [" + probe.unit + "]";
+    columns.push_back(column(probe.name + unit, comparison, [&](const RunComparison& run) {
+      return number(run.figure(probe.name));
+    }));
   }
   columns.push_back(against_reference("Hausdorff [m]", "hausdorff", comparison));
   return columns;

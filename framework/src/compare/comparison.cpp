@@ -100,6 +100,21 @@ double RunComparison::figure(const std::string& wanted) const {
   return found == figures.end() ? std::numeric_limits<double>::quiet_NaN() : found->value;
 }
 
+std::vector<Figure> probe_columns(const Comparison& comparison) {
+  std::vector<Figure> columns;
+  for (const RunComparison& run : comparison.runs) {
+    for (const Figure& figure : run.figures) {
+      // Of the figures only those of probes have a smallest one beside them.
+      const bool is_probe =
+          std::ranges::find(run.figures, figure.name + ".min", &Figure::name) != run.figures.end();
+      const bool is_new = std::ranges::find(columns, figure.name, &Figure::name) == columns.end();
+      if (is_probe && is_new)
+        columns.push_back({figure.name, figure.unit, std::numeric_limits<double>::quiet_NaN()});
+    }
+  }
+  return columns;
+}
+
 Comparison compare(const ComparisonOptions& options,
                    const std::shared_ptr<const PluginRegistry>& registry) {
   const fs::path& folder = options.runner.folder;

@@ -30,17 +30,9 @@ std::vector<Column> columns_of(const Comparison& comparison) {
                               {"rms", "rms at the end", "m", "lower"},
                               {"hausdorff", "Hausdorff at the end", "m", "lower"},
                               {"parts_at", "parts at", "s", nullptr}};
-  for (const RunComparison& run : comparison.runs) {
-    for (const Figure& figure : run.figures) {
-      const bool final_of_probe = std::ranges::any_of(
-          run.figures, [&](const Figure& f) { return f.name == figure.name + ".min"; });
-      if (!final_of_probe ||
-          std::ranges::find(columns, figure.name, &Column::figure) != columns.end())
-        continue;
-      columns.push_back(
-          {figure.name, figure.name, figure.unit, less_is_better(figure.name) ? "lower" : nullptr});
-    }
-  }
+  for (const Figure& probe : probe_columns(comparison))
+    columns.push_back(
+        {probe.name, probe.name, probe.unit, less_is_better(probe.name) ? "lower" : nullptr});
   return columns;
 }
 

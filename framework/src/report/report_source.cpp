@@ -6,21 +6,13 @@
 
 #include "deform/error.h"
 
-#include "simulation/files.h"
+#include "simulation/json_file.h"
 #include "simulation/run_directory.h"
 
 namespace deform {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// The object in a JSON file; null where there is none.
-Json object_in(const fs::path& file) {
-  const auto text = read_file(file);
-  if (!text) return {};
-  Json json = Json::parse(*text, nullptr, false, true);
-  return json.is_object() ? json : Json();
-}
 
 std::string text_of(const Json& object, const char* key, const std::string& otherwise = "") {
   const auto found = object.find(key);
@@ -66,7 +58,7 @@ ReportSource read_run_source(const fs::path& folder, const Json& manifest) {
   source.kind = "run";
   source.title = text_of(manifest, "title", "run");
   source.created = readable(text_of(manifest, "started"));
-  source.scene = object_in(folder / "scene.json");
+  source.scene = read_json_object(folder / "scene.json");
   source.variants.push_back(single_variant(folder, manifest));
   return source;
 }
@@ -115,13 +107,13 @@ RecordedRun read_variant(const fs::path& folder, std::vector<std::string>& notes
   }
   RecordedRun run;
   run.folder = folder;
-  run.manifest = object_in(folder / "manifest.json");
+  run.manifest = read_json_object(folder / "manifest.json");
   return run;
 }
 
 ReportSource read_report_source(const fs::path& folder) {
-  const Json summary = object_in(folder / "summary.json");
-  const Json manifest = object_in(folder / "manifest.json");
+  const Json summary = read_json_object(folder / "summary.json");
+  const Json manifest = read_json_object(folder / "manifest.json");
   const bool is_comparison = text_of(summary, "kind") == "comparison";
   if (!is_comparison && text_of(manifest, "kind") == "comparison") {
     throw InputError(fmt::format(

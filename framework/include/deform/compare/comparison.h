@@ -25,7 +25,7 @@ struct Parting {
   long step = 0;
   double time = 0;      ///< [s]
   Vec2 where{0, 0};     ///< (a1, a2) [m]
-  Index node = 0;       ///< of the surface that has fewer nodes
+  Index node = 0;       ///< of the run's surface, or the reference's where that one shows more
   double distance = 0;  ///< [m]
 };
 
@@ -68,6 +68,9 @@ struct Comparison {
   std::vector<std::string> sentences;  ///< what came out, the first one being the headline
   std::vector<Claim> claims;
 };
+
+/// The probes' columns that any of the runs has, in the order in which they come up; no values.
+[[nodiscard]] DEFORM_API std::vector<Figure> probe_columns(const Comparison& comparison);
 
 /// Plans, runs, measures, and writes the comparison directory: a run directory a run,
 /// comparison.csv, cost.csv, summary.json, manifest.json. Throws InputError before anything is
