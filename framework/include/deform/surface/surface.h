@@ -19,6 +19,18 @@ struct Faces {
   [[nodiscard]] Index size() const { return static_cast<Index>(begin.size()) - 1; }
 };
 
+/// A node on an open part of the boundary, with first derivatives there as rows over the nodes.
+struct EdgeNode {
+  struct Entry {
+    Index node = 0;
+    double coefficient = 0;  ///< [1/m]
+  };
+  Index node = 0;
+  double length = 0;           ///< of the boundary that the node stands for, in parameters [m]
+  std::vector<Entry> inwards;  ///< the derivative across the boundary, towards the inside
+  std::vector<Entry> along;    ///< along the boundary, counter-clockwise around the surface
+};
+
 /// Owns the discretisation; nothing outside it sees how its nodes are arranged.
 class DEFORM_API Surface : public Plugin {
  public:
@@ -45,6 +57,10 @@ class DEFORM_API Surface : public Plugin {
   /// Nodes of a part of the boundary or of a corner, ascending; empty for a name that is not one.
   [[nodiscard]] virtual std::vector<Index> boundary(const std::string& name) const = 0;
   [[nodiscard]] virtual std::vector<Index> corner(const std::string& name) const = 0;
+
+  /// The nodes of a part of the boundary ("left", …) with their derivatives, in the order of
+  /// `boundary`, for constraints and loads on edges; empty where the surface has none.
+  [[nodiscard]] virtual std::vector<EdgeNode> edge(const std::string& /*name*/) const { return {}; }
 
   /// What to change in a scene for the same surface with nodes twice as close: pointers below the
   /// surface ("/nodes") and JSON values. Empty where the surface cannot say.
