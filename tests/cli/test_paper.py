@@ -88,7 +88,7 @@ class Folds(unittest.TestCase):
     def folds_of(self, amplitude):
         scene = {
             "title": "A wave",
-            "surface": {"plugin": "grid", "nodes": [41, 5],
+            "surface": {"plugin": "grid", "nodes": [41, 5], "differences": "forward",
                         "initial": {"plugin": "wave", "amplitude": amplitude, "wavelength": 0.25}},
             "energies": [{"plugin": "stretching", "eta": 1e-6}],
             "integrator": {"plugin": "semi_implicit", "step": 1e-6},
