@@ -7,10 +7,12 @@ namespace {
 using namespace deform;
 
 struct Parameters {
-  double stiffness = 1;
+  Field stiffness = 1;
   bool diagonals = true;
   static void declare(Declaration<Parameters>& d) {
-    d("stiffness", &Parameters::stiffness, "N/m", "of each spring, however long").at_least(0);
+    d("stiffness", &Parameters::stiffness, "N/m",
+      "of each spring, however long; where it varies, the mean of the spring's two nodes")
+        .at_least(0);
     d("diagonals", &Parameters::diagonals, "", "also along both diagonals of every quadrilateral");
   }
 };
@@ -38,10 +40,13 @@ std::vector<std::int32_t> spring_nodes(const Faces& faces, bool diagonals) {
 class EdgeSprings final : public TupleTerm {
  public:
   EdgeSprings(const Parameters& p, const Setup& setup)
-      : stiffness_(p.stiffness), nodes_(spring_nodes(setup.surface().faces(), p.diagonals)) {
+      : nodes_(spring_nodes(setup.surface().faces(), p.diagonals)) {
     const NodeVectors& rest = setup.rest();
-    for (std::size_t i = 0; i < nodes_.size(); i += 2)
+    const NodeValues stiffness = p.stiffness.at_nodes(setup.surface());
+    for (std::size_t i = 0; i < nodes_.size(); i += 2) {
       length_.push_back((rest.row(nodes_[i]) - rest.row(nodes_[i + 1])).norm());
+      stiffness_.push_back(0.5 * (stiffness[nodes_[i]] + stiffness[nodes_[i + 1]]));
+    }
   }
 
   [[nodiscard]] TermTraits traits() const override {
@@ -53,7 +58,7 @@ class EdgeSprings final : public TupleTerm {
   void energy(const TupleBlock& block, Values energy) const override {
     for (Index i = 0; i < block.size; ++i) {
       const double stretch = (block.r(i, 0) - block.r(i, 1)).norm() - length_[block.first + i];
-      energy[i] += 0.5 * stiffness_ * stretch * stretch;
+      energy[i] += 0.5 * stiffness_[block.first + i] * stretch * stretch;
     }
   }
 
@@ -63,16 +68,15 @@ class EdgeSprings final : public TupleTerm {
     for (Index i = 0; i < block.size; ++i) {
       const double distance = (block.r_lagged(i, 0) - block.r_lagged(i, 1)).norm();
       if (distance == 0) continue;  // no direction, no force
-      const double s = stiffness_ * (1 - length_[block.first + i] / distance);
+      const double s = stiffness_[block.first + i] * (1 - length_[block.first + i] / distance);
       k[4 * i] += s, k[4 * i + 1] -= s;
       k[4 * i + 2] -= s, k[4 * i + 3] += s;
     }
   }
 
  private:
-  double stiffness_;
-  std::vector<std::int32_t> nodes_;  // (springs × 2)
-  std::vector<double> length_;       // L0 [m]
+  std::vector<std::int32_t> nodes_;         // (springs × 2)
+  std::vector<double> length_, stiffness_;  // L0 [m], k [N/m]
 };
 
 }  // namespace

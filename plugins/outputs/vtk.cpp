@@ -84,7 +84,7 @@ class SampleFields {
     kept_values_.clear();
     kept_vectors_.clear();
     const Geometry& now = frame.system.geometry(*samples_);
-    if (with_geometry) add_geometry(data, now.all());
+    if (with_geometry) add_geometry(data, now.all(), *samples_);
     // The coefficients of the step just done; at the first frame there is no previous state.
     const Geometry& lagged = frame.step == 0 ? now : frame.system.previous_geometry(*samples_);
     for (const JetTermUse& use : terms_) {
@@ -100,15 +100,25 @@ class SampleFields {
   }
 
  private:
-  static void add_geometry(VtkPolyData& data, const GeometryBlock& g) {
+  /// A component of B that no sample of the set has is left out: its zeros would say "flat".
+  static void add_geometry(VtkPolyData& data, const GeometryBlock& g, const SampleSet& samples) {
     data.add("n", g.n());
     std::vector<const double*> G, B;
+    std::vector<std::string> names_of_B;
     for (const Pair ij : kPairs) {
       G.push_back(g.G(ij).data());
+      if (!is_anywhere(samples, second(ij))) continue;
       B.push_back(g.B(ij).data());
+      names_of_B.push_back(kPairNames[static_cast<std::size_t>(slot(ij))]);
     }
     data.add("G", std::move(G), kPairNames);
-    data.add("B", std::move(B), kPairNames);
+    if (!B.empty()) data.add("B", std::move(B), std::move(names_of_B));
+  }
+
+  static bool is_anywhere(const SampleSet& samples, Derivative d) {
+    for (Index s = 0; s < samples.size(); ++s)
+      if (samples.computable(d, s)) return true;
+    return false;
   }
 
   inline static const std::vector<std::string> kPairNames{"11", "12", "22"};
@@ -211,7 +221,8 @@ DEFORM_PLUGIN(Vtk, Parameters, .name = "vtk", .version = "1.0",
               .summary =
                   "ParaView series: vtk/surface.pvd with positions, velocity, displacement, "
                   "and n, G, B, energy densities [J/m²] and estimated normals at the samples "
-                  "(in vtk/samples.pvd where these are not the nodes)",
+                  "(where these are not the nodes in vtk/samples.pvd and, of the membrane, in "
+                  "vtk/membrane_samples.pvd)",
               .formula =
                   "n_ij_<term>: previous coefficients on the present jet (at the first frame "
                   "the present ones); zero where r_ij does not exist",

@@ -24,11 +24,12 @@ BEYOND_SCHEMA = {
     "pointers": ("what a variant's pointer leads to, and what is right there", r"variant \""),
     "relations": ("values that do not fit each other",
                   r"at least one step|more than 1e\+15 steps|they must be as many"
-                  r"|takes a normal estimator|of all together"),
+                  r"|takes a normal estimator|of all together|symmetric differences"),
     "order": ("numbers that must ascend, or be equal",
               r"ascending times|must ascend|a1 <= b1|12 must equal 21"),
     "shapes": ("whether a shape closes, or goes around more than once",
-               r"does not close|more than once around|a sphere of radius"),
+               r"does not close|more than once around|a sphere of radius|must be thinner"),
+    "formulas": ("what a text means", r"expected a formula|a position must be finite|is \S+ at a1 = "),
     "spelling": ("whole numbers beyond 2^53, written as floating-point numbers",
                  r"found \S*1e\+300\S*, expected .*whole number"),
     "plugin": ("what a plugin's constructor alone knows",
@@ -257,7 +258,13 @@ bad("solver_misspelt", {"/solver": "cholmodd"}, "at /solver", "no solver plugin"
 bad("form_misspelt", {"/energies/1/form": "expandet"}, "at /energies/1/form", "one of", "expanded")
 bad("border_misspelt", {"/surface/border": "papers"}, "at /surface/border", "one of", "paper")
 bad("differences_unknown", {"/surface/differences": "spectral"}, "at /surface/differences",
-    'one of "forward", "central"')
+    'one of "symmetric", "forward", "central"')
+bad("symmetric_with_the_paper_s_border", {"/surface/differences": "symmetric",
+    "/surface/border": "paper", "/surface/weights": "area"}, "at /surface/border",
+    'expected "one_sided": symmetric differences', beyond="relations")
+bad("symmetric_with_equal_weights", {"/surface/differences": "symmetric",
+    "/surface/border": "one_sided", "/surface/weights": "equal"}, "at /surface/weights",
+    'expected "area": with symmetric differences', beyond="relations")
 bad("component_unknown", {"/constraints/0/components": ["x", "w"]}, "at /constraints/0/components/1",
     'one of "x", "y", "z"')
 bad("boundary_misspelt", {"/constraints/0/where": {"boundary": "lift"}}, "at /constraints/0/where",
@@ -341,6 +348,24 @@ bad("arc_of_no_side", {"/surface/rest": {"plugin": "arc", "radius": 1, "side": 0
     "at /surface/rest", "must be 1 or -1", beyond="plugin")
 bad("patch_over_the_pole", {"/surface/rest": {"plugin": "sphere_patch", "radius": 0.25}},
     "at /surface/rest", "a sphere of radius", beyond="shapes")
+bad("formula_with_unknown_name", {"/surface/rest": {"plugin": "formula", "z": "sin(b1)"}},
+    "at /surface/rest/z", 'there is no "b1"', "a1", beyond="formulas")
+bad("formula_that_ends_early", {"/surface/rest": {"plugin": "formula", "z": "2*("}},
+    "at /surface/rest/z", "expected a formula of a1, a2", beyond="formulas")
+bad("formula_not_finite", {"/surface/rest": {"plugin": "formula", "z": "1/a1"}},
+    "at /surface/rest", "is inf at a1 = 0", beyond="formulas")
+bad("formula_constant_misnamed", {"/surface/rest": {"plugin": "formula", "constants": {"pi": 3}}},
+    "at /surface/rest", "has the name of something else", beyond="formulas")
+bad("tube_too_thick", {"/surface/rest": {"plugin": "torus", "radius": 1, "tube": 2}},
+    "at /surface/rest/tube", "must be thinner", beyond="shapes")
+bad("field_with_unknown_name", {"/energies/-": {"plugin": "edge_springs", "stiffness": {"formula": "b1"}}},
+    "at /energies/2/stiffness/formula", 'there is no "b1"', "a1", beyond="formulas")
+bad("field_out_of_range", {"/energies/-": {"plugin": "edge_springs", "stiffness": {"formula": "a1 - 0.5"}}},
+    "at /energies/2/stiffness", "is -0.5 at a1 = 0, a2 = 0", beyond="formulas")
+bad("field_of_no_form", {"/energies/-": {"plugin": "edge_springs", "stiffness": {"formule": "a1"}}},
+    "at /energies/2/stiffness", "expected number, formula or map")
+bad("field_map_missing", {"/energies/-": {"plugin": "edge_springs", "stiffness": {"map": "k.csv"}}},
+    "at /energies/2/stiffness/map", "there is no such file", beyond="files")
 REST_FILE = {"/surface/rest": {"plugin": "file", "path": "rest.txt"}}
 
 
@@ -507,6 +532,14 @@ GOOD.update({
                       {"plugin": "arc", "radius": 0.15915494309189535}},
     "periodic_flags": {"/surface/periodic": False},
     "wave": {"/surface/initial": {"plugin": "wave", "amplitude": 0.02}},
+    "hemisphere": {"/surface/rest": {"plugin": "hemisphere", "radius": 1},
+                   "/surface/periodic": [True, False]},
+    "torus": {"/surface/rest": {"plugin": "torus", "radius": 1, "tube": 0.3},
+              "/surface/periodic": True, "/constraints": []},
+    "helicoid": {"/surface/rest": {"plugin": "helicoid", "height": 1}},
+    "formula": {"/surface/initial": {"plugin": "formula", "z": "k*sin(2*pi*a1/L1)",
+                                     "constants": {"k": 0.01}}},
+    "varying": {"/energies/-": {"plugin": "edge_springs", "stiffness": {"formula": "0.01*(1 + a1)"}}},
     "patch": {"/surface/rest": {"plugin": "sphere_patch", "radius": 2}},
     "all_sections": {"/title": "all", "/velocity": [0, 0, 1], "/limits": {"distance": 5},
                      "/$schema": "../scene.schema.json"},

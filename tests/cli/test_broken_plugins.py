@@ -19,7 +19,8 @@ BAD_INPUT, DIVERGED, PLUGIN_FAILED = 2, 3, 4
 
 SHEET = {
     "title": "Sheet that something is wrong with",
-    "surface": {"plugin": "grid", "nodes": [7, 7], "size": [1.0, 1.0]},
+    "surface": {"plugin": "grid", "nodes": [7, 7], "size": [1.0, 1.0],
+                "differences": "forward"},
     "material": {"density": 0.1, "damping": 1.0},
     "energies": [
         {"plugin": "stretching", "eta": 0.01},
@@ -249,7 +250,10 @@ class Failing(BrokenPlugins):
                 "corners": "faces() names node 4, expected 0 to 3",
                 "samples": "samples(bending) was built for 5 nodes, expected 4",
                 "weights": "samples(bending) has a sample of weight -1",
-                "boundary": 'boundary("left") names node 4, expected 0 to 3'}
+                "boundary": 'boundary("left") names node 4, expected 0 to 3',
+                "edge": 'edge("left") must have the nodes of boundary("left") in its order',
+                "edge_node": 'edge("left") names node 7, expected 0 to 3',
+                "length": 'edge("left") has a length of 0 at node 2'}
         for what, text in said.items():
             self.fails("surface", "wrong_sizes", text, what=what)
 

@@ -146,7 +146,8 @@ class Stopped(Checkpoints):
 
     def test_second_signal_ends_it_at_once(self):
         # Steps that take long: the first signal alone would have to wait for one.
-        path = self.write(scene(surface={"plugin": "grid", "nodes": [129, 129]}, outputs=[]))
+        path = self.write(scene(surface={"plugin": "grid", "nodes": [129, 129],
+                                          "differences": "forward"}, outputs=[]))
         process = self.start(path)
         self.wait_for_checkpoint(process)
         process.send_signal(signal.SIGINT)
@@ -285,7 +286,8 @@ class FullDisk(Checkpoints):
         self.assert_same_results(expected)
 
     def test_checkpoint_that_cannot_be_written_leaves_the_one_before(self):
-        surface = {"plugin": "grid", "nodes": [33, 33], "size": [1.0, 1.0]}
+        surface = {"plugin": "grid", "nodes": [33, 33], "size": [1.0, 1.0],
+                   "differences": "forward"}
         path = self.write(scene(outputs=[], surface=surface, duration=0.4, probes=["lowest"],
                                 frames={"write": False}))
         expected = self.run_whole(path)

@@ -21,7 +21,7 @@ PARAMETERS = {
     "shape/sphere_patch": [{"radius": 1.5}],
     "surface/grid": [
         {"nodes": [9, 7]}, {"nodes": [9, 7], "differences": "forward", "border": "paper",
-                            "weights": "equal"},
+                            "weights": "equal"}, {"nodes": [9, 7], "differences": "central"},
         {"nodes": [24, 7], "periodic": [True, False], "rest": {"plugin": "arc",
                                                                "radius": 0.15915494309189535}}],
     "normal/gauss": [{"delta": 0}, {"delta": 0.5}, {"delta": "infinity"}],
@@ -140,7 +140,8 @@ class PluginCheck(unittest.TestCase):
     def test_surfaces_and_shapes(self):
         self.find_out("shape", "repetition", "same bits when asked again")
         for about, name in (("operators", "operators: first derivatives"),
-                            ("area", "areas of samples and of nodes")):
+                            ("area", "areas of samples and of nodes"),
+                            ("inwards", "edges: along and inwards are unit vectors")):
             self.find_out("surface", about, name, name="wrong_sizes", key="what")
 
     def test_throwing_is_a_failed_check(self):

@@ -21,7 +21,8 @@ using test::simulation_from_text;
 Simulation sheet(
     const std::string& forces, const std::string& constraints, double step, double duration,
     const std::string& integrator = "semi_implicit",
-    const std::string& surface = R"("plugin": "grid", "nodes": [9, 7], "size": [1, 0.8])") {
+    const std::string& surface = R"("plugin": "grid", "nodes": [9, 7], "size": [1, 0.8],
+                               "differences": "forward")") {
   return simulation_from_text(fmt::format(
       R"({{"title": "air", "surface": {{{}}},
           "material": {{"density": 0.1}},
@@ -85,7 +86,8 @@ TEST(Wind, DoesNotOvershootInLargeSteps) {
 /// gravity, its energy only falls.
 TEST(Wind, StillAirTakesEnergyOfAMovingSheet) {
   Simulation s = simulation_from_text(
-      R"({"title": "air", "surface": {"plugin": "grid", "nodes": [9, 7], "size": [1, 0.8]},
+      R"({"title": "air", "surface": {"plugin": "grid", "nodes": [9, 7], "size": [1, 0.8],
+                                         "differences": "forward"},
           "material": {"density": 0.1}, "energies": [{"plugin": "stretching", "eta": 5}],
           "forces": [{"plugin": "wind"}], "velocity": [0.5, 0.2, 3],
           "constraints": [{"plugin": "pin", "where": {"boundary": "left"}}],
@@ -142,7 +144,8 @@ TEST(Air, SameBitsAtAnyNumberOfThreads) {
     Simulation s =
         sheet(R"({"plugin": "wind", "velocity": [3, 1, 5]}, {"plugin": "pressure", "pressure": 1})",
               kPinned, 0.005, 0.2, "semi_implicit",
-              R"("plugin": "grid", "nodes": [25, 21], "size": [1, 0.8])");
+              R"("plugin": "grid", "nodes": [25, 21], "size": [1, 0.8],
+                 "differences": "forward")");
     ASSERT_FALSE(run_to_end(s));
     if (threads == 1) one = s.state().r;
     EXPECT_EQ(std::memcmp(one.data(), s.state().r.data(),
@@ -175,7 +178,8 @@ class Torus {
 
   [[nodiscard]] std::string surface() const {
     return fmt::format(
-        R"("plugin": "grid", "nodes": [{}, {}], "size": [{}, {}], "periodic": [true, true],
+        R"("plugin": "grid", "nodes": [{}, {}], "size": [{}, {}], "differences": "forward",
+            "periodic": [true, true],
            "rest": {{"plugin": "file", "path": "{}"}})",
         kAround, kAcross, 2 * std::numbers::pi * kRing, 2 * std::numbers::pi * kTube,
         file_.string());

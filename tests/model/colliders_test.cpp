@@ -89,7 +89,7 @@ TEST(Colliders, RoundedCylinderAgreesWithPointsOnItsSurface) {
 std::string on_a_slope(double degrees, double friction) {
   const double angle = degrees * std::numbers::pi / 180;
   return fmt::format(
-      R"({{"surface": {{"plugin": "grid", "nodes": [5, 5]}}, "material": {{"density": 0.3}},
+      R"({{"surface": {{"plugin": "grid", "nodes": [5, 5], "differences": "forward"}}, "material": {{"density": 0.3}},
         "energies": [{{"plugin": "stretching", "eta": 0.1}}],
         "forces": [{{"plugin": "gravity", "acceleration": [{}, 0, {}]}}],
         "colliders": [{{"plugin": "plane", "friction": {}}}],
@@ -119,7 +119,7 @@ TEST(Contact, WhatIsLessSteepThanFrictionStays) {
 }
 
 std::string falling(const std::string& colliders, bool held = false) {
-  return R"({"surface": {"plugin": "grid", "nodes": [17, 17]},
+  return R"({"surface": {"plugin": "grid", "nodes": [17, 17], "differences": "forward"},
     "material": {"density": 0.1, "damping": 0.05},
     "energies": [{"plugin": "stretching", "eta": 1.0}, {"plugin": "bending_variational", "xi": 1e-4}],
     "forces": [{"plugin": "gravity", "acceleration": [0, 0, -2]}],

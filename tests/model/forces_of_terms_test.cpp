@@ -24,6 +24,9 @@ const std::string kOneSided =
     R"("differences": "forward", "border": "one_sided", "weights": "equal")";
 const std::string kCentral =
     R"("differences": "central", "border": "one_sided", "weights": "area")";
+const std::string kSymmetric =
+    R"("differences": "symmetric", "border": "one_sided", "weights": "area")";
+const std::string kSymmetricTube = kSymmetric + R"(, "periodic": [true, false])";
 const std::string kPaper = R"("differences": "forward", "border": "paper", "weights": "equal")";
 const std::string kForwardArea =
     R"("differences": "forward", "border": "one_sided", "weights": "area")";
@@ -74,19 +77,26 @@ TEST_P(PotentialTest, ForceIsMinusTheGradientOfTheEnergy) {
 
 INSTANTIATE_TEST_SUITE_P(
     Terms, PotentialTest,
-    testing::Values(PotentialCase{"stretching", kStretching, kOneSided, kFlat},
-                    PotentialCase{"stretching_arc", kStretching, kOneSided, kArc},
-                    PotentialCase{"stretching_central", kStretching, kCentral, kSphere},
-                    PotentialCase{"stretching_forward_area", kStretching, kForwardArea, kArc},
-                    PotentialCase{"variational_forward_area", kVariational, kForwardArea, kSphere},
-                    PotentialCase{"variational_tube", kVariational, kTube, kCircle},
-                    PotentialCase{"stretching_tube", kStretching, kTube, kCircle},
-                    PotentialCase{"stretching_paper", kStretching, kPaper, kFlat},
-                    PotentialCase{"variational", kVariational, kOneSided, kFlat},
-                    PotentialCase{"variational_arc", kVariational, kOneSided, kArc},
-                    PotentialCase{"variational_sphere", kVariational, kOneSided, kSphere},
-                    PotentialCase{"variational_central", kVariational, kCentral, kArc},
-                    PotentialCase{"springs", kSprings, kOneSided, kArc}),
+    testing::Values(
+        PotentialCase{"stretching", kStretching, kOneSided, kFlat},
+        PotentialCase{"stretching_arc", kStretching, kOneSided, kArc},
+        PotentialCase{"stretching_central", kStretching, kCentral, kSphere},
+        PotentialCase{"stretching_forward_area", kStretching, kForwardArea, kArc},
+        PotentialCase{"variational_forward_area", kVariational, kForwardArea, kSphere},
+        PotentialCase{"variational_tube", kVariational, kTube, kCircle},
+        PotentialCase{"stretching_tube", kStretching, kTube, kCircle},
+        PotentialCase{"stretching_paper", kStretching, kPaper, kFlat},
+        PotentialCase{"variational", kVariational, kOneSided, kFlat},
+        PotentialCase{"variational_arc", kVariational, kOneSided, kArc},
+        PotentialCase{"variational_sphere", kVariational, kOneSided, kSphere},
+        PotentialCase{"variational_central", kVariational, kCentral, kArc},
+        PotentialCase{"stretching_symmetric", kStretching, kSymmetric, kFlat},
+        PotentialCase{"stretching_symmetric_sphere", kStretching, kSymmetric, kSphere},
+        PotentialCase{"stretching_symmetric_tube", kStretching, kSymmetricTube, kCircle},
+        PotentialCase{"variational_symmetric", kVariational, kSymmetric, kFlat},
+        PotentialCase{"variational_symmetric_sphere", kVariational, kSymmetric, kSphere},
+        PotentialCase{"variational_symmetric_tube", kVariational, kSymmetricTube, kCircle},
+        PotentialCase{"springs", kSprings, kOneSided, kArc}),
     [](const auto& test) { return test.param.name; });
 
 /// With the paper's mixed frame at the border the variational force is not a gradient: the check
@@ -109,13 +119,13 @@ TEST(Potential, VariationalForceIsNoGradientOnAMixedFrame) {
 }
 
 struct RigidCase {
-  std::string name, energy, rest;
+  std::string name, energy, grid, rest;
   friend void PrintTo(const RigidCase& c, std::ostream* out) { *out << c.name; }
 };
 class RigidMotionTest : public testing::TestWithParam<RigidCase> {};
 
 TEST_P(RigidMotionTest, GivesNoForce) {
-  Simulation s = simulation_from_text(scene(GetParam().energy, kOneSided, GetParam().rest));
+  Simulation s = simulation_from_text(scene(GetParam().energy, GetParam().grid, GetParam().rest));
   const double reference = s.system().internal_force(0, disturbed(s, 0.01)).norm();
   State moved{s.system().rest(), NodeVectors::Zero(s.system().nodes(), 3), 0};
   const Eigen::Matrix3d rotation =
@@ -141,7 +151,8 @@ std::vector<RigidCase> rigid_cases() {
           {"gauss_expanded", bending(kGauss, "expanded")},
           {"exact_divergence", bending(kExact, "divergence")},
           {"terzopoulos_divergence", bending(kTerzopoulos, "divergence")}})
-      cases.push_back({std::string(name) + "_" + rest_name, energy, rest});
+      for (const auto& [grid_name, grid] : {std::pair{"", kOneSided}, {"_symmetric", kSymmetric}})
+        cases.push_back({std::string(name) + "_" + rest_name + grid_name, energy, grid, rest});
   return cases;
 }
 INSTANTIATE_TEST_SUITE_P(Terms, RigidMotionTest, testing::ValuesIn(rigid_cases()),
@@ -167,7 +178,7 @@ TEST(Momenta, AreThoseOfEachForm) {
     RecordProperty(name, scientific(m.force) + " " + scientific(m.torque));
   };
   for (const std::string& rest : {kFlat, kArc}) {
-    for (const std::string& grid : {kPaper, kOneSided, kCentral}) {
+    for (const std::string& grid : {kPaper, kOneSided, kCentral, kSymmetric}) {
       expect("expanded gauss", bending(kGauss, "expanded"), grid, rest, false, false);
       expect("divergence gauss", bending(kGauss, "divergence"), grid, rest, true, false);
       expect("divergence exact", bending(kExact, "divergence"), grid, rest, true, false);
@@ -177,6 +188,7 @@ TEST(Momenta, AreThoseOfEachForm) {
     }
     expect("variational", kVariational, kOneSided, rest, true, true);
     expect("variational", kVariational, kCentral, rest, true, true);
+    expect("variational", kVariational, kSymmetric, rest, true, true);
   }
   // The torque of a sample is L r × xi (L r − B⁰ n) = −xi B⁰ L r × n: on the mixed frame's border
   // rows L r is not B n, so it is there as soon as B⁰ is.
@@ -185,7 +197,7 @@ TEST(Momenta, AreThoseOfEachForm) {
 }
 
 TEST(LaggedOperator, GivesTheForceAtItsOwnState) {
-  for (const std::string& grid : {kPaper, kOneSided, kCentral})
+  for (const std::string& grid : {kPaper, kOneSided, kCentral, kSymmetric})
     for (const std::string& rest : {kFlat, kArc})
       for (const std::string& energy :
            {kStretching, kVariational, kSprings, bending(kGauss, "divergence"),
@@ -243,7 +255,8 @@ TEST(Expanded, TendsToTheDivergenceFormInside) {
   };
   for (const std::string& grid : {kPaper, kOneSided, kForwardArea})
     EXPECT_NEAR(std::log2(difference(grid, 33) / difference(grid, 65)), 1.0, 0.3) << grid;
-  EXPECT_NEAR(std::log2(difference(kCentral, 33) / difference(kCentral, 65)), 2.0, 0.3);
+  for (const std::string& grid : {kCentral, kSymmetric})
+    EXPECT_NEAR(std::log2(difference(grid, 33) / difference(grid, 65)), 2.0, 0.3) << grid;
 }
 
 /// A curved strip pressed flat: no bending force under the fallback, which vanishes with B (theory

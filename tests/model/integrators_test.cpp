@@ -13,7 +13,8 @@ using test::simulation_from_text;
 
 std::string pressed_sheet(const std::string& integrator, double step,
                           const std::string& more = "") {
-  return R"({"surface": {"plugin": "grid", "nodes": [11, 11], "border": "one_sided"},
+  return R"({"surface": {"plugin": "grid", "nodes": [11, 11], "differences": "forward",
+                      "border": "one_sided"},
     "material": {"density": 0.1, "damping": 0.5},
     "energies": [{"plugin": "stretching", "eta": 0.01}, {"plugin": "bending_variational", "xi": 1e-5}],
     "forces": [{"plugin": "point_load", "force": [0, 0, -0.01], "where": {"centre": [0.5, 0.5], "radius": 0.1}},
@@ -75,7 +76,8 @@ TEST(Integrators, FreeFall) {
        {std::pair{"semi_implicit", 1.0}, {"symplectic_euler", 1.0}}) {
     Simulation s = simulation_from_text(
         std::string(
-            R"({"surface": {"plugin": "grid", "nodes": [5, 5]}, "material": {"density": 0.3},
+            R"({"surface": {"plugin": "grid", "nodes": [5, 5], "differences": "forward"},
+                "material": {"density": 0.3},
           "energies": [{"plugin": "stretching"}], "forces": [{"plugin": "gravity"}],
           "integrator": {"plugin": ")") +
         integrator + R"(", "step": 0.01}, "duration": 0.5})");
@@ -89,7 +91,8 @@ TEST(Integrators, FreeFall) {
 /// Terminal speed under damping: m g/γ.
 TEST(Integrators, TerminalSpeed) {
   Simulation s = simulation_from_text(
-      R"({"surface": {"plugin": "grid", "nodes": [5, 5]}, "material": {"density": 0.1, "damping": 2.0},
+      R"({"surface": {"plugin": "grid", "nodes": [5, 5], "differences": "forward"},
+          "material": {"density": 0.1, "damping": 2.0},
         "energies": [{"plugin": "stretching"}], "forces": [{"plugin": "gravity"}], "limits": {"distance": 100},
         "integrator": {"plugin": "semi_implicit", "step": 0.01}, "duration": 3})");
   ASSERT_FALSE(run_to_end(s));
@@ -114,7 +117,8 @@ TEST(Solvers, HandingOverDoesNotChangeTheMotion) {
 /// A tube: rest shape of a full circle, joined along a1. Stress-free at rest, no seam anywhere.
 TEST(Periodic, TubeHasNoSeam) {
   Simulation s = simulation_from_text(
-      R"({"surface": {"plugin": "grid", "nodes": [24, 9], "size": [1, 0.5], "periodic": [true, false],
+      R"({"surface": {"plugin": "grid", "nodes": [24, 9], "size": [1, 0.5], "differences": "forward",
+                      "periodic": [true, false],
           "rest": {"plugin": "arc", "radius": 0.15915494309189535}},
         "energies": [{"plugin": "stretching", "eta": 0.01}, {"plugin": "bending_variational", "xi": 1e-4}],
         "integrator": {"plugin": "semi_implicit", "step": 0.01}, "duration": 0.1})");

@@ -211,6 +211,35 @@ class EstimatedNormals(unittest.TestCase):
                                        field(data, "n")[curved], atol=1e-12)
 
 
+class SamplesOfTheirOwn(unittest.TestCase):
+    """Symmetric differences: bending at the nodes, stretching at the corners of the cells."""
+
+    def test_membrane_is_a_cloud(self):
+        scene = json.loads(json.dumps(SCENE))
+        scene["surface"].update(differences="symmetric", border="one_sided", weights="area")
+        with tempfile.TemporaryDirectory() as folder:
+            directory = run(pathlib.Path(folder), scene)
+            surface = read_vtp(collection(directory / "vtk" / "surface.pvd")[-1][1])
+            series = collection(directory / "vtk" / "membrane_samples.pvd")
+            data = read_vtp(series[-1][1])
+            with open(directory / "probes.csv", newline="", encoding="utf-8") as file:
+                energy = float(list(csv.DictReader(file))[-1]["energy.stretching [J]"])
+        self.assertEqual(len(series), STEPS // EVERY + 1)
+        cells = (NODES[0] - 1) * (NODES[1] - 1)
+        self.assertEqual(data.GetNumberOfPoints(), 4 * cells)
+        places = {tuple(place) for place in points(surface)}
+        self.assertEqual({tuple(place) for place in points(data)}, places)
+        weight = 1.0 * 0.8 / cells / 4
+        np.testing.assert_allclose(field(data, "energy_stretching").sum() * weight, energy, rtol=1e-12)
+        # Of B what exists there alone.
+        self.assertEqual(field(data, "B").size, data.GetNumberOfPoints())
+        self.assertEqual(data.GetPointData().GetArray("B").GetComponentName(0), "12")
+        self.assertEqual(field(data, "G").shape, (4 * cells, 3))
+        self.assertIsNone(data.GetPointData().GetArray("energy_bending"))
+        self.assertEqual(field(surface, "B").shape, (NODES[0] * NODES[1], 3))
+        self.assertEqual(field(surface, "energy_bending").shape, (NODES[0] * NODES[1],))
+
+
 class SinglePrecision(unittest.TestCase):
     def test_rounds_to_float(self):
         scene = dict(SCENE, outputs=[{"plugin": "vtk", "every": STEPS, "precision": "single"},

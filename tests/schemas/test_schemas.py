@@ -189,7 +189,8 @@ class Agreement(Folder):
         force = {
             "plugin": "every_type", "flag": False, "small": 2, "whole": -7, "number": 0.25,
             "limit": "infinity", "unsaid": 1, "text": "t", "choice": "right", "pair": [1, 2],
-            "vector": [1, 2, 3], "weights": 1, "numbers": [1, 2], "wholes": [1], "flags": [True],
+            "vector": [1, 2, 3], "weights": 1, "field": {"formula": "1 + a1/9"}, "named": {"k": 1},
+            "weights_field": [[1, {"formula": "a1"}], [{"formula": "a1"}, 2]], "numbers": [1, 2], "wholes": [1], "flags": [True],
             "texts": ["x"], "counts": [2, 3], "both": True, "places": [[1, 2, 3]], "time": 1,
             "where": {"node": 1}, "normal": "gauss", "shape": "flat", "file": "f", "no_file": "g",
         }

@@ -20,7 +20,7 @@ class EdgeSprings : public testing::Test {
 
   [[nodiscard]] std::shared_ptr<TupleTerm> make(bool diagonals) const {
     return make_builtin<TupleTerm>(
-        "edge_springs", parameters({{"stiffness", 2.0}, {"diagonals", diagonals}}), setup);
+        "edge_springs", parameters({{"stiffness", Field(2.0)}, {"diagonals", diagonals}}), setup);
   }
   // One block, or two, of which the second does not begin at 0.
   template <class Visit>
@@ -105,6 +105,21 @@ TEST_F(EdgeSprings, CollapsedSpringIsFinite) {
   NodeVectors r = surface.rest();
   r.row(1) = r.row(0);
   EXPECT_TRUE(force_of(*term, r).allFinite());
+}
+
+// Every spring doubled in length stores ½ k L0², with the mean k of its nodes: linear in a1, so
+// that the sheet's symmetric springs have together what the value in the middle would give.
+TEST_F(EdgeSprings, MayVaryOverTheSheet) {
+  const auto term = [this](const Field& stiffness) {
+    return make_builtin<TupleTerm>("edge_springs", parameters({{"stiffness", stiffness}}), setup);
+  };
+  const NodeVectors twice = 2 * surface.rest();
+  const double constant = energy_of(*term(2.0), twice);
+  EXPECT_NEAR(energy_of(*term(Field::formula("1 + 2*a1")), twice), constant, 1e-14 * constant);
+  EXPECT_LT(force_of(*term(2.0), twice).colwise().sum().norm(), 1e-14);
+  const NodeVectors force = force_of(*term(Field::formula("1 + 2*a1")), twice);
+  EXPECT_LT(force.colwise().sum().norm(), 1e-14);
+  EXPECT_GT(force.row(3).norm(), force.row(0).norm());  // stiffer on the right
 }
 
 }  // namespace

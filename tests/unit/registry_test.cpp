@@ -295,6 +295,10 @@ TEST(Describe, SaysParametersInWords) {
   EXPECT_EQ(text("choice"), "text|\"left\", \"right\"|\"left\"");
   EXPECT_EQ(text("normal"), "normal plugin||gauss");
   EXPECT_EQ(text("where"), "selection of nodes||");
+  EXPECT_EQ(text("field"), "number, formula or map|> 0, <= 2|0.5");
+  EXPECT_EQ(text("weights_field"),
+            "number, formula or map, or [[11, 12], [21, 22]] of them|>= 0|0.1");
+  EXPECT_EQ(text("named"), "object of numbers|<= 10|{\"k\":2.0}");
 }
 
 }  // namespace

@@ -321,7 +321,7 @@ TEST(SceneReader, ReportsEveryProblemInTheOrderOfTheFile) {
           "scene.json:2:3: at /titel: a scene has no \"titel\"; did you mean \"title\"?",
           "scene.json:3:43: at /surface/nodes/0: found 1, expected whole number >= 3",
           AllOf(HasSubstr("scene.json:3:66: at /surface/differences: found \"foward\", expected "
-                          "one of \"forward\", \"central\""),
+                          "one of \"symmetric\", \"forward\", \"central\""),
                 HasSubstr("did you mean \"forward\"?")),
           "scene.json:4:27: at /material/density: found 0, expected number > 0 [kg/m²]",
           "scene.json:4:41: at /material/damping: found \"much\", expected number >= 0 [N·s/m³]",
@@ -459,6 +459,58 @@ TEST(SceneValues, ReadsTimeProfiles) {
   EXPECT_THAT(complaint("time", R"({"table": [[0]]})"), HasSubstr("time/table/0: found [0]"));
   EXPECT_THAT(complaint("time", R"({"rmp": [1, 3]})"), HasSubstr("{\"ramp\": [t0, t1]}"));
   EXPECT_THAT(complaint("time", R"({"ramp": [1, 3], "pulse": [1, 3]})"), HasSubstr("expected a"));
+}
+
+TEST(SceneValues, ReadsFields) {
+  const ParameterRectangle within{Vec2(0, 0), Vec2(1, 1)};
+  EXPECT_EQ(value_of<Field>("field", "2").constant(), 2);
+  const Field formula = value_of<Field>("field", R"({"formula": "1 + a1*a2"})");
+  EXPECT_DOUBLE_EQ(formula(Vec2(0.5, 0.5), within), 1.25);
+  EXPECT_THROW((void)formula(Vec2(2, 1), within), InputError);  // at most 2: the field's range
+  const auto weights = [&](const std::string& json) {
+    return value_of<PairWeightsField>("weights_field", json)(Vec2(0.25, 0), within).w;
+  };
+  EXPECT_EQ(weights("3"), (std::array{3.0, 3.0, 3.0}));
+  EXPECT_EQ(weights(R"({"formula": "a1"})"), (std::array{0.25, 0.25, 0.25}));
+  EXPECT_EQ(weights(R"([[1, {"formula": "a1"}], [{"formula": "a1"}, 3]])"),
+            (std::array{1.0, 0.25, 3.0}));
+  EXPECT_EQ(value_of<NamedNumbers>("named", R"({"k": 1, "m": 2.5})"),
+            (NamedNumbers{{"k", 1}, {"m", 2.5}}));
+}
+
+TEST(SceneValues, ReadsMapsFromTheScenesFolder) {
+  const auto folder = std::filesystem::path(testing::TempDir());
+  std::ofstream(folder / "scene_reader_map.csv") << "1 2\n1 2\n";
+  const std::string scene = with_parameters(R"("field": {"map": "scene_reader_map.csv"})");
+  const Scene read = read_scene_text(scene, "scene.json", folder, registry());
+  const auto field = read.forces[0].parameters->get<Field>("field");
+  EXPECT_DOUBLE_EQ(field(Vec2(0.5, 0), {Vec2(0, 0), Vec2(1, 1)}), 1.5);
+  EXPECT_EQ(Json::parse(read.completed)["forces"][0]["field"]["map"],
+            (folder / "scene_reader_map.csv").lexically_normal().string());
+  EXPECT_EQ(read_scene_text(read.completed, "scene.json", "/elsewhere", registry()).completed,
+            read.completed);
+  std::filesystem::remove(folder / "scene_reader_map.csv");
+}
+
+TEST(SceneValues, RejectsFields) {
+  EXPECT_EQ(complaint("field", "0"), "field: found 0, expected number > 0, <= 2 [m]");
+  EXPECT_EQ(complaint("field", "[1]"),
+            "field: found [1], expected number, formula or map > 0, <= 2 [m]");
+  EXPECT_THAT(complaint("field", R"({"formule": "1"})"), HasSubstr("expected number, formula or"));
+  EXPECT_THAT(complaint("field", R"({"formula": 1})"), HasSubstr("expected number, formula or"));
+  EXPECT_EQ(complaint("field", R"({"formula": "a1 + b2"})"),
+            "field/formula: found \"a1 + b2\", expected a formula of a1, a2: there is no \"b2\"; "
+            "did you mean \"a2\"?");
+  EXPECT_THAT(complaint("field", R"({"map": "missing.csv"})"),
+              HasSubstr("missing.csv: there is no such file"));
+  EXPECT_THAT(complaint("weights_field", R"([[1, {"formula": "1"}], [1, 1]])"),
+              HasSubstr("12 must equal 21"));
+  EXPECT_THAT(complaint("weights_field", R"([[1, {"formula": "x"}], [{"formula": "1"}, 1]])"),
+              HasSubstr("weights_field/0/1/formula: found \"x\""));
+  EXPECT_THAT(complaint("weights_field", "[1, 2]"), HasSubstr("expected number, formula or map"));
+  EXPECT_THAT(complaint("weights_field", "[[1, -1], [-1, 1]]"), HasSubstr("2 messages"));
+  EXPECT_EQ(complaint("named", R"({"k": 11})"), "named/k: found 11, expected number <= 10");
+  EXPECT_EQ(complaint("named", "1"), "named: found 1, expected object of numbers <= 10");
 }
 
 TEST(SceneValues, ReadsSelections) {

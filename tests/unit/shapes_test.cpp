@@ -118,6 +118,97 @@ TEST(Shapes, SpherePatchStandsOnItsBase) {
   EXPECT_THROW((void)position(*patch("apex", 0.159), {0, 0}, {1, 0.1}), InputError);
 }
 
+TEST(Shapes, HemisphereIsUmbilic) {
+  const double R = 0.7, hole = 18 * pi / 180;
+  const auto shape = make_builtin<Shape>("hemisphere", parameters({{"radius", R}}));
+  for (const Vec2& a : kPlaces) {
+    EXPECT_NEAR(position(*shape, a).norm(), R, 1e-15);
+    const Jet j = jet(*shape, a);
+    const double v = (pi / 2 - hole) * a.y() / kSize.y();
+    EXPECT_NEAR(j.r_1.norm(), 2 * pi * R * std::cos(v), 40 * kTolerance);  // third derivative (2π)³
+    EXPECT_NEAR(j.r_2.norm(), (pi / 2 - hole) * R / kSize.y(), 10 * kTolerance);
+    EXPECT_NEAR(j.n().dot(j.r_11), -j.r_1.squaredNorm() / R, 1e-4);  // B = −G/R: n points outwards
+    EXPECT_NEAR(j.n().dot(j.r_22), -j.r_2.squaredNorm() / R, 1e-5);
+  }
+  EXPECT_NEAR(position(*shape, {0.3, 0.6}).z(), R * std::cos(hole), 1e-15);
+  EXPECT_NEAR(position(*shape, {0.3, 0}).z(), 0, 1e-15);
+  EXPECT_LT((position(*shape, {0, 0.2}) - position(*shape, {1, 0.2})).norm(), 1e-15);
+}
+
+TEST(Shapes, HemisphereMayBeASector) {
+  const auto quarter = make_builtin<Shape>(
+      "hemisphere", parameters({{"radius", 10.0}, {"sector", 90.0}, {"origin", Vec3(1, 2, 3)}}));
+  EXPECT_LT((position(*quarter, {0, 0}) - Vec3(11, 2, 3)).norm(), 1e-14);
+  EXPECT_LT((position(*quarter, {1, 0}) - Vec3(1, 12, 3)).norm(), 1e-14);
+}
+
+TEST(Shapes, TorusClosesAndHasItsCurvature) {
+  const double R = 1, t = 0.25;
+  const auto shape = make_builtin<Shape>("torus", parameters({{"radius", R}, {"tube", t}}));
+  EXPECT_LT((position(*shape, {0, 0.1}) - position(*shape, {1, 0.1})).norm(), 1e-15);
+  EXPECT_LT((position(*shape, {0.2, 0}) - position(*shape, {0.2, 0.6})).norm(), 1e-15);
+  EXPECT_EQ(position(*shape, {0, 0}), Vec3(R + t, 0, 0));
+  EXPECT_NEAR(position(*shape, {0, 0.15}).z(), t, 1e-15);
+  for (const Vec2& a : kPlaces) {
+    const Jet j = jet(*shape, a);
+    const double v = 2 * pi * a.y() / kSize.y();
+    EXPECT_NEAR(j.n().dot(j.r_22) / j.r_2.squaredNorm(), -1 / t, 1e-5);
+    EXPECT_NEAR(j.n().dot(j.r_11) / j.r_1.squaredNorm(), -std::cos(v) / (R + t * std::cos(v)),
+                1e-5);
+  }
+  EXPECT_THROW((void)make_builtin<Shape>("torus", parameters({{"radius", 1.0}, {"tube", 1.0}})),
+               InputError);
+}
+
+TEST(Shapes, HelicoidIsMinimal) {
+  const double height = 0.5;
+  const auto shape = make_builtin<Shape>(
+      "helicoid", parameters({{"inner", -0.5}, {"height", height}, {"turns", 0.75}}));
+  const double c = height / (1.5 * pi);  // height a radian
+  for (const Vec2& a : kPlaces) {
+    const Jet j = jet(*shape, a);
+    const double rho = a.x() - 0.5, G_22 = j.r_2.squaredNorm();
+    EXPECT_NEAR(j.r_1.norm(), 1, kTolerance);
+    EXPECT_NEAR(j.r_1.dot(j.r_2), 0, kTolerance);
+    EXPECT_NEAR(G_22, (rho * rho + c * c) * std::pow(1.5 * pi / kSize.y(), 2), 1e-4);
+    const double H = j.n().dot(j.r_11) + j.n().dot(j.r_22) / G_22;
+    const double K = -std::pow(j.n().dot(j.r_12), 2) / G_22;
+    EXPECT_NEAR(H, 0, kTolerance);
+    EXPECT_NEAR(K, -c * c / std::pow(rho * rho + c * c, 2), 1e-4);
+    EXPECT_GE(j.n().z() * rho, 0);  // up where a1 leads away from the axis
+  }
+  EXPECT_LT((position(*shape, {0.5, 0.6}) - Vec3(0, 0, height)).norm(), 1e-15);
+}
+
+TEST(Shapes, FormulaIsWhatItSays) {
+  const auto shape =
+      make_builtin<Shape>("formula", parameters({{"x", std::string("a1")},
+                                                 {"y", std::string("k*cos(a2)")},
+                                                 {"z", std::string("0.1*sin(2*pi*a1/L1) + L2")},
+                                                 {"constants", NamedNumbers{{"k", 3}}}}));
+  for (const Vec2& a : kPlaces) {
+    const Vec3 expected(a.x(), 3 * std::cos(a.y()), 0.1 * std::sin(2 * pi * a.x()) + 0.6);
+    EXPECT_LT((position(*shape, a) - expected).norm(), 1e-15);
+  }
+  EXPECT_EQ(position(*make_builtin<Shape>("formula"), {0.3, 0.2}), Vec3(0.3, 0.2, 0));
+}
+
+TEST(Shapes, FormulaSaysWhatIsWrong) {
+  const auto complaint = [](const std::string& z) {
+    try {
+      (void)position(*make_builtin<Shape>("formula", parameters({{"z", z}})), {0, 0.2});
+    } catch (const InputError& error) {
+      return error.problems()[0].pointer + ": " + error.problems()[0].message;
+    }
+    return std::string();
+  };
+  EXPECT_EQ(complaint("sin(a3)"),
+            "/z: found \"sin(a3)\", expected a formula of a1, a2, L1, L2: there is no \"a3\"; did "
+            "you mean \"a1\"?");
+  EXPECT_EQ(complaint("a2/a1"),
+            ": z = a2/a1 is inf at a1 = 0, a2 = 0.2: a position must be finite");
+}
+
 class FileShape : public testing::Test {
  public:
   FileShape()

@@ -17,7 +17,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kScene = R"({
-  "surface": {"plugin": "grid", "nodes": [6, 5], "size": [1.0, 2.0]},
+  "surface": {"plugin": "grid", "nodes": [6, 5], "size": [1.0, 2.0],
+              "differences": "symmetric"},
   "energies": [{"plugin": "stretching", "eta": 0.1},
                {"plugin": "bending", "xi": 1e-4, "normal": "gauss"}],
   "forces": [{"plugin": "gravity", "acceleration": [0, 0, -1]}],
@@ -79,6 +80,16 @@ TEST_F(TrajectoryTest, HoldsTheSurfaceAndItsFields) {
   const std::vector<float> recorded = trajectory.field(2, 0);
   for (std::size_t i = 0; i < recorded.size(); ++i)
     EXPECT_EQ(recorded[i], static_cast<float>(B_11[i]));
+
+  // The membrane's samples are not the nodes: means there, which add up to the energy.
+  ASSERT_FALSE(surface.samples(SampleRole::membrane).samples_are_nodes());
+  double energy = 0;
+  const std::vector<float> density = trajectory.field(2, 3);
+  for (std::size_t i = 0; i < density.size(); ++i)
+    energy += surface.areas()[static_cast<Index>(i)] * static_cast<double>(density[i]);
+  const double expected = frame.system.energy(0, frame.state);
+  EXPECT_GT(expected, 0);
+  EXPECT_NEAR(energy / expected, 1, 1e-6);
 }
 
 TEST_F(TrajectoryTest, PassesOverAFrameThatIsCutOff) {

@@ -9,9 +9,10 @@ std::vector<Terrain> terrains(int n1, int n2) {
   struct Scheme {
     const char *name, *differences, *border, *weights;
   };
-  const std::array<Scheme, 3> schemes{{{"forward", "forward", "one_sided", "equal"},
+  const std::array<Scheme, 4> schemes{{{"forward", "forward", "one_sided", "equal"},
                                        {"central", "central", "one_sided", "area"},
-                                       {"paper", "forward", "paper", "equal"}}};
+                                       {"paper", "forward", "paper", "equal"},
+                                       {"symmetric", "symmetric", "one_sided", "area"}}};
   const std::array<std::pair<const char*, Json>, 3> rests{
       {{"flat", {{"plugin", "flat"}}},
        {"arc", {{"plugin", "arc"}, {"radius", 0.5}}},

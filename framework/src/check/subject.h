@@ -24,8 +24,8 @@ struct Terrain {
   Json surface;
   bool one_frame = true;  ///< one consistent frame: gradients are exact there
 };
-/// Flat, arc and sphere patch, each with forward and central differences and with the paper's
-/// border; n1 × n2 nodes.
+/// Flat, arc and sphere patch, each with forward, central and symmetric differences and with the
+/// paper's border; n1 × n2 nodes.
 [[nodiscard]] std::vector<Terrain> terrains(int n1, int n2);
 
 /// One object of the plugin, with the surface that it was made for.

@@ -50,6 +50,32 @@ void check_operators(const Surface& surface, SampleRole role, Checks& checks) {
                 "1/m");
 }
 
+double sum(const std::vector<EdgeNode::Entry>& row, const auto& value) {
+  double result = 0;
+  for (const EdgeNode::Entry& entry : row) result += entry.coefficient * value(entry.node);
+  return result;
+}
+
+/// At an edge (a1, a2) changes by unit vectors, inwards the one to the left of that along it.
+void check_edges(const Surface& surface, Checks& checks) {
+  double of_constant = 0, of_parameters = 0;
+  for (const std::string& name : surface.boundary_names())
+    for (const EdgeNode& at : surface.edge(name)) {
+      const auto derivative = [&](const std::vector<EdgeNode::Entry>& row) {
+        of_constant = std::max(of_constant, std::abs(sum(row, [](Index) { return 1.0; })));
+        return Vec2(sum(row, [&](Index node) { return surface.parameters()(node, 0); }),
+                    sum(row, [&](Index node) { return surface.parameters()(node, 1); }));
+      };
+      const Vec2 inwards = derivative(at.inwards), along = derivative(at.along);
+      of_parameters = std::max({of_parameters, std::abs(along.norm() - 1),
+                                (inwards - Vec2(-along.y(), along.x())).lpNorm<Eigen::Infinity>()});
+    }
+  checks.below("edges: derivatives of a constant are 0", of_constant, 1e-8);
+  if (surface.period() != Vec2::Zero()) return;  // a1 and a2 jump where sides are joined
+  checks.below("edges: along and inwards are unit vectors, inwards to the left", of_parameters,
+               1e-8);
+}
+
 void check_areas(const Surface& surface, Checks& checks) {
   const double nodes = surface.areas().sum();
   for (const SampleRole role : {SampleRole::membrane, SampleRole::bending}) {
@@ -68,6 +94,7 @@ void check_surface_contract(const Subject& subject, Checks& checks) {
     const auto surface = subject.make<Surface>(anywhere).object;
     for (const SampleRole role : {SampleRole::membrane, SampleRole::bending})
       check_operators(*surface, role, checks);
+    check_edges(*surface, checks);
     check_areas(*surface, checks);
     checks.report("nodes", std::to_string(surface->nodes()));
     const auto again = subject.make<Surface>(anywhere).object;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <muParser.h>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "deform/error.h"
+#include "deform/plugin/expression.h"
 
 #include "scene/json_document.h"
 #include "scene/json_pointer.h"
@@ -56,12 +56,11 @@ Formula formula_of(const std::string& claim, const std::vector<std::string>& run
   return formula;
 }
 
-/// The formula's value for these values of its variables. Throws mu::ParserError.
-double evaluate(const Formula& formula, std::vector<double> values) {
-  mu::Parser parser;
-  for (std::size_t i = 0; i < values.size(); ++i) parser.DefineVar(variable(i), &values[i]);
-  parser.SetExpr(formula.text);
-  return parser.Eval();
+/// The formula as a function of its figures. Throws ExpressionError.
+Expression parse(const Formula& formula) {
+  std::vector<std::string> variables;
+  for (std::size_t i = 0; i < formula.figures.size(); ++i) variables.push_back(variable(i));
+  return {formula.text, variables};
 }
 
 /// Why a claim is none; nothing if it is one.
@@ -69,11 +68,10 @@ std::optional<std::string> objection(const std::string& claim,
                                      const std::vector<std::string>& runs) {
   const Formula formula = formula_of(claim, runs);
   try {
-    (void)evaluate(formula, std::vector<double>(formula.figures.size(), 1.0));
-  } catch (const mu::ParserError& e) {
-    std::string why = e.GetMsg();
-    const std::string token = e.GetToken();
-    const std::string word = token.substr(0, token.find('.'));
+    (void)parse(formula);
+  } catch (const ExpressionError& e) {
+    std::string why = e.why();
+    const std::string word = e.token().substr(0, e.token().find('.'));
     if (!word.empty() && is_word(word.front())) {
       why = fmt::format("\"{}\" is no run{}", word, did_you_mean(word, runs));
     }
@@ -148,7 +146,7 @@ std::vector<Claim> check_claims(const std::vector<std::string>& claims,
             fmt::format("{}{}.{} = {}", separator, name, figure, number_text(values.back()));
       }
     }
-    claim.holds = claim.holds && evaluate(formula, values) != 0;
+    claim.holds = claim.holds && parse(formula)(values) != 0;
     checked.push_back(std::move(claim));
   }
   return checked;

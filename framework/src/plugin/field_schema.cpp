@@ -23,6 +23,17 @@ class FieldSchema {
   Json operator()(const PairWeights& /*value*/) const {
     return any_of({number(), list(list(number(), 2), 2)});
   }
+  Json operator()(const PairWeightsField& /*value*/) const {
+    Json choice = field();
+    choice["anyOf"].push_back(list(list(field(), 2), 2));
+    return choice;
+  }
+  Json operator()(const Field& /*value*/) const { return field(); }
+  Json operator()(const NamedNumbers& /*value*/) const {
+    Json schema = type("object");
+    schema["additionalProperties"] = number();
+    return schema;
+  }
   Json operator()(const std::vector<double>& /*value*/) const { return list(number()); }
   Json operator()(const std::vector<std::int64_t>& /*value*/) const { return list(integer()); }
   Json operator()(const std::vector<bool>& /*value*/) const {
@@ -105,6 +116,10 @@ class FieldSchema {
   [[nodiscard]] Json number() const {
     const Json finite = limited<double>("number");
     return field_.may_be_infinite ? any_of({finite, Json{{"const", "infinity"}}}) : finite;
+  }
+  [[nodiscard]] Json field() const {
+    return any_of(
+        {number(), object({{"formula", type("string")}}), object({{"map", type("string")}})});
   }
   [[nodiscard]] Json text() const {
     Json schema = type("string");

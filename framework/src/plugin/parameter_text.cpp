@@ -42,6 +42,11 @@ std::string type_text(const ParameterValue& value) {
           [](const Vec2&) -> std::string { return "[number, number]"; },
           [](const Vec3&) -> std::string { return "[x, y, z]"; },
           [](const PairWeights&) -> std::string { return "number or [[11, 12], [21, 22]]"; },
+          [](const PairWeightsField&) -> std::string {
+            return "number, formula or map, or [[11, 12], [21, 22]] of them";
+          },
+          [](const Field&) -> std::string { return "number, formula or map"; },
+          [](const NamedNumbers&) -> std::string { return "object of numbers"; },
           [](const std::vector<double>&) -> std::string { return "list of numbers"; },
           [](const std::vector<std::int64_t>&) -> std::string { return "list of whole numbers"; },
           [](const std::vector<bool>&) -> std::string { return "true, false or a list of them"; },

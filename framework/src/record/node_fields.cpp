@@ -15,25 +15,50 @@ std::string named(const std::string& field, const JetTermUse& use, bool alone) {
   return alone ? field : field + ", " + use.name;
 }
 
+/// Whether the angles and branches of its estimator are numbers of nodes.
+bool has_normals(const JetTermUse& use) {
+  return use.term->normal() != nullptr && use.samples->samples_are_nodes();
+}
+
 bool has_branches(const JetTermUse& use) {
-  return use.term->normal() != nullptr && !use.term->normal()->branches().empty();
+  return has_normals(use) && !use.term->normal()->branches().empty();
+}
+
+/// Means of the samples at each node: by the area of a sample that D_0 gives to the node. NaN where
+/// that is none.
+std::vector<double> at_nodes(const SampleSet& samples, const std::vector<double>& values) {
+  if (samples.samples_are_nodes()) return values;
+  const auto n = static_cast<std::size_t>(samples.nodes());
+  std::vector<double> sums(n), areas(n);
+  for (Index s = 0; s < samples.size(); ++s) {
+    const auto sample = static_cast<std::size_t>(s);
+    const SampleSet::Stencil at = samples.stencil(s);
+    for (std::size_t k = 0; k < at.nodes.size(); ++k) {
+      const auto node = static_cast<std::size_t>(at.nodes[k]);
+      const double area =
+          samples.weights()[sample] * at.d[k][static_cast<std::size_t>(slot(Derivative::d0))];
+      sums[node] += area * values[sample];
+      areas[node] += area;
+    }
+  }
+  for (std::size_t a = 0; a < n; ++a)
+    sums[a] = areas[a] > 0 ? sums[a] / areas[a] : std::numeric_limits<double>::quiet_NaN();
+  return sums;
 }
 
 }  // namespace
 
 NodeFields::NodeFields(const System& system) : terms_(jet_terms(system)) {
-  std::erase_if(terms_, [](const JetTermUse& use) { return !use.samples->samples_are_nodes(); });
   const SampleSet& bending = system.surface().samples(SampleRole::bending);
   if (bending.samples_are_nodes()) curved_ = &bending;
   if (curved_ != nullptr) {
     for (const char* name : {"B_11", "B_12", "B_22"})
       fields_.push_back({name, "1/m", Scale::diverging});
   }
-  const auto with_normal = std::ranges::count_if(
-      terms_, [](const JetTermUse& use) { return use.term->normal() != nullptr; });
+  const auto with_normal = std::ranges::count_if(terms_, has_normals);
   for (const JetTermUse& use : terms_) {
     fields_.push_back({"energy density, " + use.name, "J/m²", Scale::sequential});
-    if (use.term->normal() == nullptr) continue;
+    if (!has_normals(use)) continue;
     fields_.push_back({named("normal angle", use, with_normal == 1), "rad", Scale::sequential});
     if (has_branches(use)) {
       fields_.push_back({named("branch", use, with_normal == 1), "", Scale::categorical,
@@ -53,8 +78,8 @@ const std::vector<std::vector<float>>& NodeFields::evaluate(const Frame& frame) 
     for (const Pair ij : kPairs) put(frame.system.geometry(*curved_).all().B(ij));
   }
   for (const JetTermUse& use : terms_) {
-    put(frame.system.energy_density(use.number));
-    if (use.term->normal() == nullptr) continue;
+    put(at_nodes(*use.samples, frame.system.energy_density(use.number)));
+    if (!has_normals(use)) continue;
     add_angles(use, frame, *next++);
     if (has_branches(use)) add_branches(use, frame, *next++);
   }

@@ -9,9 +9,9 @@
 
 namespace deform {
 
-/// What can be said of every node of a surface whose samples are its nodes: curvature, each term's
-/// energy, how far its normal is off, and the branch of its estimator. Of other sample sets
-/// nothing.
+/// What can be said of every node of a surface: each term's energy density (the mean of the samples
+/// there, by D_0, where the samples are not the nodes); and where they are, curvature, how far a
+/// term's normal is off, and the branch of its estimator.
 class NodeFields {
  public:
   explicit NodeFields(const System& system);
@@ -24,7 +24,7 @@ class NodeFields {
   static void add_branches(const JetTermUse& use, const Frame& frame, std::vector<float>& values);
 
   const SampleSet* curved_ = nullptr;  // the set that B is taken from; null: none on the nodes
-  std::vector<JetTermUse> terms_;      // on the nodes
+  std::vector<JetTermUse> terms_;
   std::vector<TrajectoryField> fields_;
   std::vector<std::vector<float>> values_;
   NodeVectors estimates_;

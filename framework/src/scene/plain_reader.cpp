@@ -125,6 +125,16 @@ std::optional<PairWeights> PlainReader::read(const Json& json, const ValuePlace&
   return PairWeights{{(*first)[0], (*first)[1], (*second)[1]}};
 }
 
+std::optional<NamedNumbers> PlainReader::read(const Json& json, const ValuePlace& place,
+                                              const NamedNumbers& by_default) {
+  if (!json.is_object()) return reject(json, place, ParameterValue(by_default));
+  NamedNumbers numbers;
+  for (const auto& [name, number] : json.items())
+    if (const auto value = read(number, place.key(name), 0.0)) numbers[name] = *value;
+  if (numbers.size() != json.size()) return std::nullopt;
+  return numbers;
+}
+
 std::optional<std::vector<bool>> PlainReader::read(const Json& json, const ValuePlace& place,
                                                    const std::vector<bool>& by_default) {
   if (json.is_boolean()) {

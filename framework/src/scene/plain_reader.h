@@ -41,6 +41,8 @@ class PlainReader {
   Maybe<Vec3> read(const Json& json, const ValuePlace& place, const Vec3& by_default);
   /// A number for all pairs, or [[11, 12], [21, 22]] with equal 12 and 21.
   Maybe<PairWeights> read(const Json& json, const ValuePlace& place, const PairWeights& by_default);
+  Maybe<NamedNumbers> read(const Json& json, const ValuePlace& place,
+                           const NamedNumbers& by_default);
   /// A single flag stands for as many as the default has.
   Maybe<std::vector<bool>> read(const Json& json, const ValuePlace& place,
                                 const std::vector<bool>& by_default);

@@ -42,6 +42,31 @@ struct Writer {
     return Json::array({json_of(Vec2(w_11, w_12)), json_of(Vec2(w_12, w_22))});
   }
 
+  static Json json_of(const Field& field) {
+    switch (field.form()) {
+      case Field::Form::formula:
+        return Json{{"formula", field.source()}};
+      case Field::Form::map:
+        return Json{{"map", field.source()}};
+      case Field::Form::constant:
+        break;
+    }
+    return json_of(field.constant());
+  }
+
+  static Json json_of(const PairWeightsField& weights) {
+    const Json w_11 = json_of(weights(Pair::p11)), w_12 = json_of(weights(Pair::p12)),
+               w_22 = json_of(weights(Pair::p22));
+    if (w_11 == w_12 && w_12 == w_22) return w_11;
+    return Json::array({Json::array({w_11, w_12}), Json::array({w_12, w_22})});
+  }
+
+  static Json json_of(const NamedNumbers& numbers) {
+    Json object = Json::object();
+    for (const auto& [name, number] : numbers) object[name] = json_of(number);
+    return object;
+  }
+
   static Json json_of(const TimeProfile& profile) {
     const auto& points = profile.points;
     const auto times = [&] { return Json::array({points[0].first, points[1].first}); };

@@ -4,6 +4,7 @@
 
 #include "plugin/field_schema.h"
 #include "plugin/parameter_text.h"
+#include "scene/field_reader.h"
 #include "scene/json_pointer.h"
 #include "scene/profile_reader.h"
 #include "scene/selection_reader.h"
@@ -48,6 +49,16 @@ std::optional<std::filesystem::path> ValueReader::read(Json& json, const ValuePl
   if (resolves_files_ && !file.empty()) file = (folder_ / file).lexically_normal();
   json = file.string();
   return file;
+}
+
+std::optional<Field> ValueReader::read(Json& json, const ValuePlace& place,
+                                       const Field& /*by_default*/) {
+  return read_field(json, place, folder_, plain_);
+}
+
+std::optional<PairWeightsField> ValueReader::read(Json& json, const ValuePlace& place,
+                                                  const PairWeightsField& /*by_default*/) {
+  return read_weights_field(json, place, folder_, plain_);
 }
 
 std::optional<ParameterValue> ValueReader::value(Json& json, const ValuePlace& place) {

@@ -44,6 +44,9 @@ class ValueReader {
   std::optional<PluginUse> read(Json& json, const ValuePlace& place, const PluginUse& by_default);
   std::optional<std::filesystem::path> read(Json& json, const ValuePlace& place,
                                             const std::filesystem::path& by_default);
+  std::optional<Field> read(Json& json, const ValuePlace& place, const Field&);
+  std::optional<PairWeightsField> read(Json& json, const ValuePlace& place,
+                                       const PairWeightsField&);
 
   const PluginRegistry& registry_;
   std::filesystem::path folder_;

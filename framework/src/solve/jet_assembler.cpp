@@ -51,9 +51,9 @@ JetAssembler::JetAssembler(const SampleSet& samples, std::vector<Term> terms)
   std::size_t fields = 0;
   for (const Term& t : terms_) {
     if (t.traits.strong_form && samples.field_differences() == nullptr)
-      throw InputError(
-          "energy " + t.origin +
-          " needs differences of a field of samples, which this surface does not have");
+      throw InputError("energy " + t.origin +
+                       " needs differences of a field of samples, which this surface does not have "
+                       "for its role");
     std::vector<std::size_t>& numbers = of_term_.emplace_back();
     for (const Coupling& coupling : couplings_of(t)) {
       const auto at = std::ranges::find(couplings_, coupling);

@@ -26,8 +26,10 @@ class SurfaceCheck {
     check_arrays();
     check_faces();
     for (const SampleRole role : {SampleRole::membrane, SampleRole::bending}) check_samples(role);
-    for (const std::string& name : surface_.boundary_names())
+    for (const std::string& name : surface_.boundary_names()) {
       check_selection("boundary", name, surface_.boundary(name));
+      check_edge(name);
+    }
     for (const std::string& name : surface_.corner_names())
       check_selection("corner", name, surface_.corner(name));
     return std::move(contradictions_);
@@ -93,6 +95,27 @@ class SurfaceCheck {
     }
     for (const Index node : nodes) {
       if (!is_node(node)) return note_node(place, node);
+    }
+  }
+
+  /// An edge is that part of the boundary, node by node, or not described.
+  void check_edge(const std::string& name) {
+    const std::vector<EdgeNode> edge = surface_.edge(name);
+    if (edge.empty()) return;
+    const std::string place = fmt::format("edge(\"{}\")", name);
+    const std::vector<Index> boundary = surface_.boundary(name);
+    if (!std::ranges::equal(edge, boundary, {}, &EdgeNode::node))
+      note("{} must have the nodes of boundary(\"{}\") in its order", place, name);
+    for (const EdgeNode& at : edge) {
+      if (!(at.length > 0 && at.length < kInfinity))
+        return note("{} has a length of {} at node {}, expected a finite one above 0", place,
+                    at.length, at.node);
+      for (const auto* row : {&at.inwards, &at.along})
+        for (const EdgeNode::Entry& entry : *row) {
+          if (!is_node(entry.node)) return note_node(place, entry.node);
+          if (!std::isfinite(entry.coefficient))
+            return note("{} has a coefficient at node {} that is not finite", place, at.node);
+        }
     }
   }
 

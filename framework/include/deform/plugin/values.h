@@ -12,18 +12,14 @@
 #include <vector>
 
 #include "deform/export.h"
-#include "deform/geometry/pairs.h"
+#include "deform/plugin/field.h"
 #include "deform/plugin/kind.h"
 #include "deform/types.h"
 
 namespace deform {
 
-/// Symmetric 2 × 2 weights, one a pair ij (eta, xi of the paper).
-struct PairWeights {
-  std::array<double, 3> w{};  ///< 11, 12 (= 21), 22
-  [[nodiscard]] double operator()(Pair ij) const { return w[static_cast<std::size_t>(slot(ij))]; }
-  static constexpr PairWeights all(double value) { return {{value, value, value}}; }
-};
+/// Numbers with names that the scene's author chooses.
+using NamedNumbers = std::map<std::string, double>;
 
 /// A factor over time: 1 for ever unless said otherwise.
 struct DEFORM_API TimeProfile {
@@ -69,7 +65,8 @@ using ParameterValue =
     std::variant<bool, std::int64_t, double, std::string, Vec2, Vec3, PairWeights,
                  std::vector<double>, std::vector<std::int64_t>, std::vector<bool>,
                  std::vector<std::string>, std::array<std::int64_t, 2>, std::array<bool, 2>,
-                 std::vector<Vec3>, TimeProfile, NodeSelection, PluginUse, std::filesystem::path>;
+                 std::vector<Vec3>, TimeProfile, NodeSelection, PluginUse, std::filesystem::path,
+                 NamedNumbers, Field, PairWeightsField>;
 
 /// The values of one plugin's parameters, defaults filled in.
 class DEFORM_API ParameterValues {
