@@ -1,4 +1,4 @@
-#include <deform/model/energy_term.h>
+#include <deform/model/quadratic_term.h>
 
 namespace {
 using namespace deform;
@@ -14,33 +14,18 @@ struct Parameters {
 
 /// ¼ Σ eta_ij (G_ij − G⁰_ij)²: its force is −Σ D_iᵀ A α_ij r_j with α_ij = eta_ij (G_ij − G⁰_ij)
 /// (20).
-class Stretching final : public JetTerm {
+class Stretching final : public QuadraticTerm {
  public:
-  Stretching(const Parameters& p, const Setup& /*setup*/) : eta_(p.eta) {}
+  Stretching(const Parameters& p, const Setup& /*setup*/)
+      : QuadraticTerm(Form::metric), c_(weighted_norm_stiffness(0.25, p.eta)) {}
 
-  [[nodiscard]] TermTraits traits() const override {
-    return {.potential = true, .lagged = Lagged::symmetric};
-  }
-  [[nodiscard]] SampleRole role() const override { return SampleRole::membrane; }
-
-  void energy_density(const SampleBlock& block, Values density) const override {
-    add_weighted_norm(0.25, eta_, block, &GeometryBlock::G, density);
-  }
-
-  [[nodiscard]] std::vector<Coupling> couplings() const override {
-    return couplings_among({Derivative::d1, Derivative::d2});
-  }
-  void affine_stress(const SampleBlock& block, const AffineStress& sigma) const override {
-    for (const int i : {1, 2})
-      for (const int j : {1, 2}) {
-        const ConstValues G = block.lagged.G(pair(i, j)), G0 = block.rest.G(pair(i, j));
-        const Values k = sigma.k(first(i), first(j));
-        for (std::size_t s = 0; s < k.size(); ++s) k[s] += eta_(pair(i, j)) * (G[s] - G0[s]);
-      }
+  [[nodiscard]] bool is_diagonal() const override { return true; }
+  void stiffness(const GeometryBlock& rest, FormStiffness& c) const override {
+    for (Index s = 0; s < rest.size(); ++s) c.set(s, c_);
   }
 
  private:
-  PairWeights eta_;
+  Eigen::Matrix3d c_;
 };
 
 }  // namespace

@@ -147,25 +147,33 @@ Evaluate tuple_evaluation(const TupleTerm& term, const NodeVectors& r) {
   };
 }
 
-void check_blocks(const Subject& subject, const Terrain& terrain, Checks& checks) {
-  const Made<EnergyTerm> made = subject.make<EnergyTerm>(terrain);
-  const NodeVectors r = disturbed(made.surface->rest(), kStrain).r;
-  if (const auto* tuples = dynamic_cast<const TupleTerm*>(made.object.get())) {
+void check_blocks_of(const EnergyTerm& term, const Surface& surface, Checks& checks) {
+  const NodeVectors r = disturbed(surface.rest(), kStrain).r;
+  if (const auto* tuples = dynamic_cast<const TupleTerm*>(&term)) {
     check_evaluation(checks, tuple_evaluation(*tuples, r), true);
-  } else if (const auto* jets = dynamic_cast<const JetTerm*>(made.object.get())) {
-    const auto bench = std::make_shared<JetBench>(*jets, *made.surface, r);
-    check_evaluation(checks, in_sample_order(bench, made.surface->samples(jets->role()).size()),
-                     true);
+  } else if (const auto* jets = dynamic_cast<const JetTerm*>(&term)) {
+    const auto bench = std::make_shared<JetBench>(*jets, surface, r);
+    check_evaluation(checks, in_sample_order(bench, surface.samples(jets->role()).size()), true);
   } else {
-    checks.holds("is a JetTerm or a TupleTerm", false, "it is neither: no force comes of it");
+    checks.holds("is a JetTerm or a TupleTerm, or a sum of such", false,
+                 "it is neither: no force comes of it");
   }
 }
 
-void check_operator(System& system, const TermTraits& traits, const State& state, Checks& checks) {
+void check_blocks(const Subject& subject, const Terrain& terrain, Checks& checks) {
+  const Made<EnergyTerm> made = subject.make<EnergyTerm>(terrain);
+  const auto* compound = dynamic_cast<const CompoundTerm*>(made.object.get());
+  if (compound == nullptr) return check_blocks_of(*made.object, *made.surface, checks);
+  for (const CompoundTerm::Part& part : compound->parts())
+    check_blocks_of(*part.term, *made.surface, checks);
+}
+
+void check_operator(System& system, std::size_t term, const TermTraits& traits, const State& state,
+                    Checks& checks) {
   if (traits.lagged == Lagged::none) return;
-  checks.below("lagged operator: f = c − K r where it is lagged", lagged_error(system, 0, state),
+  checks.below("lagged operator: f = c − K r where it is lagged", lagged_error(system, term, state),
                1e-10);
-  const SparseMatrix k = system.lagged_force(0, state).k;
+  const SparseMatrix k = system.lagged_force(term, state).k;
   if (traits.lagged == Lagged::symmetric)
     checks.below("lagged operator: symmetric, as promised", asymmetry(k), 1e-12);
   if (traits.semidefinite)
@@ -173,39 +181,58 @@ void check_operator(System& system, const TermTraits& traits, const State& state
 }
 
 /// Energy and force of the rest state turned and moved, against those of the disturbed one.
-void report_rigid_motion(System& system, const State& state, Checks& checks) {
+void report_rigid_motion(System& system, std::size_t term, const State& state, Checks& checks) {
   State moved{system.rest(), NodeVectors::Zero(system.nodes(), 3), 0};
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(1.1, Vec3(1, -2, 0.7).normalized()).toRotationMatrix();
   moved.r = (moved.r * turn.transpose()).eval().rowwise() + Eigen::RowVector3d(3, -1, 2);
-  const double scale = system.internal_force(0, state).norm();
-  const double force = system.internal_force(0, moved).norm();
+  const double scale = system.internal_force(term, state).norm();
+  const double force = system.internal_force(term, moved).norm();
   checks.report("force after a rigid motion of the rest state, relative",
                 scale > 0 ? force / scale : force);
+}
+
+void check_mechanics_of(System& system, std::size_t term, bool one_frame, Checks& checks) {
+  const TermTraits traits = system.energies()[term].object->traits();
+  const State state = disturbed(system.rest(), kStrain);
+  const NodeVectors force = system.internal_force(term, state);
+  checks.holds("force is finite", force.allFinite(), "it is not");
+  checks.holds("energy is finite", std::isfinite(system.energy(term, state)), "it is not");
+  checks.holds("same force on any number of threads",
+               same_on_threads([&] { return numbers_of(system.internal_force(term, state)); }),
+               "one thread and several differ");
+  if (traits.potential && one_frame)
+    checks.below("force = −gradient of the energy, as promised",
+                 gradient_error(system, term, state), 1e-6);
+  else if (!traits.potential)
+    checks.report("force against −gradient of the energy, relative",
+                  gradient_error(system, term, state));
+  check_operator(system, term, traits, state, checks);
+  const Momenta sums = momenta(force, state.r);
+  checks.report("|Σ f| / Σ |f|: momentum", sums.force);
+  checks.report("|Σ r×f| / Σ |r||f|: angular momentum", sums.torque);
+  report_rigid_motion(system, term, state, checks);
+}
+
+/// Tangents of the whole system: there is nothing else in its scene.
+void check_tangents(System& system, Checks& checks) {
+  const State state = disturbed(system.rest(), kStrain);
+  checks.below("exact tangent = −derivative of the force", tangent_error(system, state), 1e-6);
+  for (const Tangent kind : {Tangent::projected, Tangent::gauss_newton})
+    checks.below(kind == Tangent::projected ? "projected tangent: positive semidefinite"
+                                            : "Gauss–Newton tangent: positive semidefinite",
+                 tangent_indefiniteness(system, state, kind), 1e-10);
 }
 
 void check_mechanics(const Subject& subject, const Terrain& terrain, Checks& checks) {
   Simulation simulation = subject.simulation(terrain);
   System& system = simulation.system();
-  const TermTraits traits = system.energies().front().object->traits();
-  const State state = disturbed(system.rest(), kStrain);
-  const NodeVectors force = system.internal_force(0, state);
-  checks.holds("force is finite", force.allFinite(), "it is not");
-  checks.holds("energy is finite", std::isfinite(system.energy(0, state)), "it is not");
-  checks.holds("same force on any number of threads",
-               same_on_threads([&] { return numbers_of(system.internal_force(0, state)); }),
-               "one thread and several differ");
-  if (traits.potential && terrain.one_frame)
-    checks.below("force = −gradient of the energy, as promised", gradient_error(system, 0, state),
-                 1e-6);
-  else if (!traits.potential)
-    checks.report("force against −gradient of the energy, relative",
-                  gradient_error(system, 0, state));
-  check_operator(system, traits, state, checks);
-  const Momenta sums = momenta(force, state.r);
-  checks.report("|Σ f| / Σ |f|: momentum", sums.force);
-  checks.report("|Σ r×f| / Σ |r||f|: angular momentum", sums.torque);
-  report_rigid_motion(system, state, checks);
+  bool have_potential = true;
+  for (std::size_t term = 0; term < system.energies().size(); ++term) {
+    check_mechanics_of(system, term, terrain.one_frame, checks);
+    have_potential = have_potential && system.energies()[term].object->traits().potential;
+  }
+  if (have_potential && terrain.one_frame) check_tangents(system, checks);
 }
 
 }  // namespace

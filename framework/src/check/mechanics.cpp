@@ -61,6 +61,45 @@ double lagged_error(System& system, std::size_t term, const State& state) {
   return ratio((force - (c - dense(k) * state.r)).norm(), force.norm());
 }
 
+double tangent_error(System& system, State state) {
+  constexpr double h = 1e-4;
+  std::mt19937 random(54321);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const NodeVectors x =
+      NodeVectors::NullaryExpr(state.r.rows(), 3, [&] { return uniform(random); });
+  system.evaluate_with_tangent(state, Tangent::exact);
+  NodeVectors product;
+  system.tangent().multiply(x, product);
+  const double step = h * (state.r.rowwise() - state.r.colwise().mean()).norm() / x.norm();
+  const NodeVectors r = state.r;
+  const auto force_at = [&](double s) {
+    state.r = r + s * step * x;
+    system.evaluate(state);
+    return system.force();
+  };
+  NodeVectors difference = 8 * force_at(-1) - force_at(-2);
+  difference += force_at(2);
+  difference -= 8 * force_at(1);
+  difference /= 12 * step;
+  return ratio((product - difference).norm(), product.norm());
+}
+
+double tangent_indefiniteness(System& system, const State& state, Tangent kind) {
+  system.evaluate_with_tangent(state, kind);
+  const Index n = 3 * system.nodes();
+  Eigen::MatrixXd full(n, n);
+  NodeVectors x = NodeVectors::Zero(system.nodes(), 3), y;
+  for (Index j = 0; j < n; ++j) {
+    x(j / 3, j % 3) = 1;
+    system.tangent().multiply(x, y);
+    for (Index i = 0; i < n; ++i) full(i, j) = y(i / 3, i % 3);
+    x(j / 3, j % 3) = 0;
+  }
+  const Eigen::VectorXd values =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(full, Eigen::EigenvaluesOnly).eigenvalues();
+  return ratio(std::max(0.0, -values.minCoeff()), values.cwiseAbs().maxCoeff());
+}
+
 Momenta momenta(const NodeVectors& force, const NodeVectors& r) {
   const Vec3 centre = r.colwise().mean();
   Vec3 sum = Vec3::Zero(), torque = Vec3::Zero();

@@ -7,6 +7,7 @@ namespace deform {
 EnergyTerm::~EnergyTerm() = default;
 JetTerm::~JetTerm() = default;
 TupleTerm::~TupleTerm() = default;
+CompoundTerm::~CompoundTerm() = default;
 
 std::vector<Coupling> couplings_among(std::initializer_list<Derivative> derivatives) {
   std::vector<Coupling> all;
@@ -48,6 +49,10 @@ void AffineStress::undeclared(Channel m, Derivative n) {
 }
 
 std::vector<Coupling> JetTerm::couplings() const { return {}; }
+
+std::vector<Derivative> JetTerm::dependence() const {
+  return {Derivative::d1, Derivative::d2, Derivative::d11, Derivative::d12, Derivative::d22};
+}
 
 void JetTerm::affine_stress(const SampleBlock& /*block*/, const AffineStress& /*sigma*/) const {
   throw Error(ExitCode::plugin_failed,

@@ -15,6 +15,15 @@ void ForceField::add_tangent(const NodeBlock& /*nodes*/, Values /*stiffness*/,
   }
 }
 
+std::vector<std::pair<Index, Index>> ForceField::tangent_pairs() const { return {}; }
+
+void ForceField::add_exact_tangent(const NodeBlock& /*nodes*/,
+                                   std::span<Eigen::Matrix3d> /*blocks*/) const {
+  if (traits().exact_tangent) {
+    throw PluginFailure("a force field declares an exact tangent without add_exact_tangent");
+  }
+}
+
 void ForceField::add_potential(const NodeBlock& /*nodes*/, Values /*energy*/) const {
   if (traits().potential) {
     throw PluginFailure("a force field declares potential without add_potential");

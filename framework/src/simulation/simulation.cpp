@@ -14,6 +14,7 @@
 #include "deform/log.h"
 
 #include "plugin/guard.h"
+#include "simulation/compound_terms.h"
 #include "simulation/memory_sections.h"
 #include "simulation/part_maker.h"
 #include "simulation/solver_uses.h"
@@ -139,6 +140,7 @@ void Simulation::Impl::make_system() {
   integrator = *made_integrator;
   keep<Surface>(PluginKind::surface, {*surface});
   keep(PluginKind::energy, parts.energies);
+  take_apart_compounds(parts.energies);
   keep(PluginKind::force, parts.forces);
   keep(PluginKind::constraint, parts.constraints);
   for (const Body& body : parts.bodies) keep<Collider>(PluginKind::collider, {body.collider});

@@ -1,6 +1,7 @@
 #include "solve/external_forces.h"
 
 #include <algorithm>
+#include <string>
 
 #include "parallel/parallel.h"
 #include "plugin/guard.h"
@@ -25,7 +26,30 @@ ExternalForces::ExternalForces(const ModelParts& parts)
     traits_.push_back(guarded(f.origin, "saying what it is", [&] { return f.object->traits(); }));
     needs_normals_ = needs_normals_ || traits_.back().normals;
     needs_neighbours_ = needs_neighbours_ || traits_.back().neighbours;
+    auto& pairs = pairs_.emplace_back();
+    if (!traits_.back().exact_tangent) continue;
+    pairs = guarded(f.origin, "naming the nodes of its tangent",
+                    [&] { return f.object->tangent_pairs(); });
+    for (const auto& [a, b] : pairs)
+      if (a < 0 || b < a || b >= areas_.size())
+        throw PluginFailure("plugin " + f.origin + " links nodes " + std::to_string(a) + " and " +
+                            std::to_string(b) + ", expected 0 ≤ a ≤ b ≤ " +
+                            std::to_string(areas_.size() - 1));
   }
+}
+
+NodeBlock ExternalForces::block_of(const NodeVectors& r, const NodeVectors& v, const NodeVectors& n,
+                                   double time, Index first, Index size) const {
+  return {.first = first,
+          .size = size,
+          .time = time,
+          .r = rows_from(r, first),
+          .v = rows_from(v, first),
+          .normal = needs_normals_ ? rows_from(n, first) : ConstVectors{},
+          .area = {areas_.data() + first, static_cast<std::size_t>(size)},
+          .mass = {mass_.data() + first, static_cast<std::size_t>(size)},
+          .all_r = needs_neighbours_ ? rows_from(r, 0) : ConstVectors{},
+          .all_v = needs_neighbours_ ? rows_from(v, 0) : ConstVectors{}};
 }
 
 /// Calls visit(force field, block of nodes) for all of both, or of one field, blocks in parallel.
@@ -41,16 +65,7 @@ void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals
     r = &r_, v = &v_, n = &n_;
   }
   parallel_blocks(state.r.rows(), kBlock, [&](Index first, Index size) {
-    NodeBlock block{.first = first,
-                    .size = size,
-                    .time = state.time,
-                    .r = rows_from(*r, first),
-                    .v = rows_from(*v, first),
-                    .normal = needs_normals_ ? rows_from(*n, first) : ConstVectors{},
-                    .area = {areas_.data() + first, static_cast<std::size_t>(size)},
-                    .mass = {mass_.data() + first, static_cast<std::size_t>(size)},
-                    .all_r = needs_neighbours_ ? rows_from(*r, 0) : ConstVectors{},
-                    .all_v = needs_neighbours_ ? rows_from(*v, 0) : ConstVectors{}};
+    const NodeBlock block = block_of(*r, *v, *n, state.time, first, size);
     for (std::size_t i = 0; i < forces_.size(); ++i)
       if (only == nullptr || only == &forces_[i])
         guarded(forces_[i].origin, "computing its force",
@@ -82,6 +97,49 @@ void ExternalForces::add_tangent(const State& state, const NodeVectors& normals,
                  field.add_tangent(block, {stiffness.data() + block.first, size},
                                    {damping.data() + block.first, size});
                });
+}
+
+void ExternalForces::add_exact_tangent(const State& state, const NodeVectors& normals,
+                                       BlockMatrix& k) {
+  const NodeVectors *r = &state.r, *v = &state.v, *n = &normals;
+  if (mirrored_) {
+    reflect(state.r, r_);
+    reflect(state.v, v_);
+    reflect(normals, n_);
+    n_ *= -1;
+    r = &r_, v = &v_, n = &n_;
+  }
+  const NodeBlock nodes = block_of(*r, *v, *n, state.time, 0, state.r.rows());
+  const Vec3 reflection(1, 1, mirrored_ ? -1 : 1);
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
+    if (pairs_[i].empty()) continue;
+    blocks_.assign(pairs_[i].size(), Eigen::Matrix3d::Zero());
+    guarded(forces_[i].origin, "computing its tangent",
+            [&] { forces_[i].object->add_exact_tangent(nodes, blocks_); });
+    for (std::size_t p = 0; p < pairs_[i].size(); ++p) {
+      const auto& [a, b] = pairs_[i][p];
+      Eigen::Matrix3d block = blocks_[p];
+      if (a == b) block = (0.5 * (block + block.transpose())).eval();
+      k.block(a, b) += reflection.asDiagonal() * block * reflection.asDiagonal();
+    }
+  }
+}
+
+std::vector<std::string> ExternalForces::without_tangent() const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
+    const ForceTraits& t = traits_[i];
+    const bool follows = t.normals || t.neighbours;
+    if (follows && !t.exact_tangent) names.push_back(forces_[i].name);
+  }
+  return names;
+}
+
+std::vector<std::string> ExternalForces::without_potential() const {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < forces_.size(); ++i)
+    if (!traits_[i].potential) names.push_back(forces_[i].name);
+  return names;
 }
 
 NodeValues ExternalForces::potential(const State& state, const NodeVectors& normals,

@@ -1,8 +1,11 @@
 /// The force fields of a model, seen in the world they were written for even in a mirrored run.
 #pragma once
 
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "deform/solve/block_matrix.h"
 #include "deform/solve/system.h"
 
 namespace deform {
@@ -22,6 +25,19 @@ class ExternalForces {
   /// Adds the scalar tangents, or what bounds them, of those that have any [N/m], [N·s/m].
   void add_tangent(const State& state, const NodeVectors& normals, NodeValues& stiffness,
                    NodeValues& damping, const Named<ForceField>* only = nullptr);
+  /// Calls visit(a, b), a ≤ b, for every pair of nodes that a tangent links.
+  template <class Visit>
+  void visit_pattern(const Visit& visit) const {
+    for (const auto& pairs : pairs_)
+      for (const auto& [a, b] : pairs) visit(a, b);
+  }
+  /// K −= ∂f/∂r of those that have a tangent.
+  void add_exact_tangent(const State& state, const NodeVectors& normals, BlockMatrix& k);
+  /// Names of the fields that a Newton step knows no tangent of, though they depend on positions or
+  /// say nothing of it; and of those without a potential.
+  [[nodiscard]] std::vector<std::string> without_tangent() const;
+  [[nodiscard]] std::vector<std::string> without_potential() const;
+
   /// (N) Potential energy at each node [J].
   [[nodiscard]] NodeValues potential(const State& state, const NodeVectors& normals,
                                      const Named<ForceField>* only = nullptr);
@@ -31,8 +47,13 @@ class ExternalForces {
   void visit_blocks(const State& state, const NodeVectors& normals, const Named<ForceField>* only,
                     const Visit& visit);
 
+  [[nodiscard]] NodeBlock block_of(const NodeVectors& r, const NodeVectors& v, const NodeVectors& n,
+                                   double time, Index first, Index size) const;
+
   const std::vector<Named<ForceField>> forces_;
   std::vector<ForceTraits> traits_;
+  std::vector<std::vector<std::pair<Index, Index>>> pairs_;  // of each field
+  std::vector<Eigen::Matrix3d> blocks_;
   const NodeValues areas_;
   const NodeValues mass_;
   bool mirrored_;

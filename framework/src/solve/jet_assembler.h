@@ -33,6 +33,8 @@ class JetAssembler {
 
   [[nodiscard]] const SampleSet& samples() const { return *samples_; }
   [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
+  [[nodiscard]] const GatherTable& gather() const { return gather_; }
+  [[nodiscard]] SampleBlock sample_block(const Geometries& g, Index first, Index size) const;
   /// This assembler's place for a scene's term; null when the term is not on this set.
   [[nodiscard]] const Term* find(std::size_t number) const;
 
@@ -64,7 +66,6 @@ class JetAssembler {
   void evaluate_auxiliary(const Geometries& g, std::size_t number, std::size_t offset);
   void evaluate_block(const Geometries& g, Part part, const Term* only, Index first, Index size);
   void add_affine_part(const SampleBlock& block, Part part);
-  [[nodiscard]] SampleBlock sample_block(const Geometries& g, Index first, Index size) const;
   [[nodiscard]] double* coupling(std::size_t c) {
     return k_.data() + static_cast<Index>(c) * samples_->size();
   }

@@ -2,75 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "parallel/parallel.h"
 #include "plugin/guard.h"
-#include "solve/contacts.h"
-#include "solve/external_forces.h"
-#include "solve/jet_assembler.h"
 #include "solve/not_finite.h"
 #include "solve/pattern.h"
-#include "solve/reduced_solver.h"
 #include "solve/stopwatch.h"
 #include "solve/symmetry.h"
-#include "solve/tuple_assembler.h"
+#include "solve/system_impl.h"
 
 namespace deform {
-
-/// One sample set with its terms, and its geometry at the states that matter.
-struct SetPart {
-  JetAssembler assembler;
-  Geometry rest;
-  std::array<Geometry, 2> geometry;  // one of a step's start, one of any other state
-};
-
-struct System::Impl {
-  explicit Impl(ModelParts p);
-
-  void read_traits();
-  [[nodiscard]] SampleRole role_of(std::size_t term, const JetTerm& jet) const;
-  void make_sets();
-  void make_tuples();
-  void make_pattern();
-  [[nodiscard]] SetPart& set_of(const SampleSet& samples);
-  [[nodiscard]] Geometries geometries(SetPart& set) {
-    return {set.geometry[current], set.geometry[current], set.rest};
-  }
-  void update_geometry(const NodeVectors& r);
-  void update_normals();
-  void evaluate_internal(const State& state);
-  void add_internal_force(NodeVectors& f) const;
-  [[nodiscard]] NodeVectors force_of(const Named<ForceField>& field, const State& state);
-  [[nodiscard]] bool operator_is_finite() const;
-
-  ModelParts parts;
-  std::vector<TermTraits> traits;  // of the energies
-  Reduction reduction;
-  std::vector<SetPart> sets;
-  std::vector<TupleAssembler> tuples;
-  ExternalForces external;
-  std::optional<Contacts> contacts;  // made when the reduction is known
-
-  std::array<NodeVectors, 2> known;  // positions of geometry[0] and [1]
-  std::size_t current = 0;           // which of both is that of the last updated state
-  std::optional<std::size_t> held;   // which is that of the step's start
-  NodeVectors normals;               // at the nodes, of the current geometry
-
-  NodeVectors force;
-  NodeValues force_stiffness, force_damping;
-  SparseMatrix k;
-  long version = 0;
-  std::optional<ReducedSolver> solver;
-  std::string no_solver = "none was needed";
-  StepTimes times;
-};
 
 System::Impl::Impl(ModelParts p)
     : parts(std::move(p)), reduction(parts.surface->nodes()), external(parts) {
   const Index n = parts.surface->nodes();
   for (const auto& c : parts.constraints)
     guarded(c.origin, "saying what it holds", [&] { c.object->reduce(reduction); });
+  map.emplace(reduction);
+  if (parts.mirrored) map->reflect();
   contacts.emplace(parts.bodies, parts.mirrored, reduction);
   force = NodeVectors::Zero(n, 3);
   normals = NodeVectors::Zero(n, 3);
@@ -288,7 +237,7 @@ void System::choose_solver() {
   if (impl_->solver) return;
   const bool symmetric = std::ranges::none_of(
       impl_->traits, [](const TermTraits& t) { return t.lagged == Lagged::unsymmetric; });
-  impl_->solver.emplace(impl_->reduction, impl_->k, symmetric, impl_->parts.make_solvers);
+  impl_->solver.emplace(*impl_->map, impl_->k, symmetric, impl_->parts.make_solvers);
 }
 
 /// A term that promises symmetry without having it would be solved by half of its operator,
@@ -330,6 +279,7 @@ void System::prescribe(double time, NodeVectors& r) const {
     for (Index a = 0; a < r.rows(); ++a)
       if (!std::isfinite(r(a, c)) && impl_->reduction.prescribed(a, c))
         throw_prescribed_not_finite(time, a);
+  impl_->map->complete_positions(r);
 }
 
 void System::throw_prescribed_not_finite(double time, Index node) const {
@@ -345,7 +295,7 @@ void System::constrain(const NodeVectors& before, double step, State& after) con
   prescribe(after.time, after.r);
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < before.rows(); ++a)
-      if (impl_->reduction.prescribed(a, c)) after.v(a, c) = (after.r(a, c) - before(a, c)) / step;
+      if (!impl_->reduction.free(a, c)) after.v(a, c) = (after.r(a, c) - before(a, c)) / step;
 }
 
 void System::collide(const NodeVectors& before, double step, State& after) {

@@ -108,6 +108,33 @@ void TupleAssembler::add_operator(SparseMatrix& k) const {
   });
 }
 
+void TupleAssembler::add_tangent(const NodeVectors& r, Tangent kind, BlockMatrix& k) {
+  if (!traits_.potential) return;
+  const Index n = Index{3} * width_;
+  h_.assign(count() * static_cast<std::size_t>(n * n), 0.0);
+  parallel_blocks(static_cast<Index>(count()), kBlock, [&](Index first, Index size) {
+    guarded(origin_, "computing its tangent", [&] {
+      term_->tangent(block(r, r, first, size), kind,
+                     {h_.data() + first * n * n, static_cast<std::size_t>(size * n * n)});
+    });
+  });
+  using Matrix =
+      Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  parallel_blocks(k.nodes, kBlock, [&](Index first, Index size) {
+    for (Index a = first; a < first + size; ++a)
+      for (Index p = begin_[static_cast<std::size_t>(a)];
+           p < begin_[static_cast<std::size_t>(a) + 1]; ++p) {
+        const Index tuple = places_[static_cast<std::size_t>(p)] / width_;
+        const Index i = places_[static_cast<std::size_t>(p)] % width_;
+        const Matrix h(h_.data() + tuple * n * n, n, n);
+        for (int j = 0; j < width_; ++j) {
+          const Index b = node(static_cast<std::size_t>(tuple), j);
+          if (b >= a) k.block(a, b) += h.block<3, 3>(3 * i, Index{3} * j);
+        }
+      }
+  });
+}
+
 std::vector<double> TupleAssembler::energies(const NodeVectors& r) const {
   std::vector<double> energies(count(), 0.0);
   parallel_blocks(static_cast<Index>(count()), kBlock, [&](Index first, Index size) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "deform/model/energy_term.h"
+#include "deform/solve/block_matrix.h"
 #include "deform/solve/sparse_matrix.h"
 #include "deform/types.h"
 
@@ -27,6 +28,9 @@ class TupleAssembler {
   }
   void bind(const SparseMatrix& pattern);
   void add_operator(SparseMatrix& k) const;
+
+  /// K += the second derivatives of the tuples' energies; nothing where there is no potential.
+  void add_tangent(const NodeVectors& r, Tangent kind, BlockMatrix& k);
 
   /// [J], one a tuple.
   [[nodiscard]] std::vector<double> energies(const NodeVectors& r) const;
@@ -55,6 +59,7 @@ class TupleAssembler {
   std::vector<Vec3> force_;           // (T × width), of the last evaluation
   std::vector<Index> begin_;          // of each node's (tuple, place) pairs
   std::vector<Index> places_;         // tuple * width + place, ascending within a node
+  std::vector<double> h_;             // (T × 3 width × 3 width)
   std::vector<Index> slot_;           // (T × width × width) places in the matrix' values
 };
 

@@ -24,6 +24,13 @@ struct Momenta {
 };
 [[nodiscard]] DEFORM_API Momenta momenta(const NodeVectors& force, const NodeVectors& r);
 
+/// |K x + ∂f/∂r x| / |K x| of the exact tangent and a random x: against fourth-order differences of
+/// the whole force.
+[[nodiscard]] DEFORM_API double tangent_error(System& system, State state);
+/// −(smallest eigenvalue) / (largest) of a tangent. Dense: for small surfaces.
+[[nodiscard]] DEFORM_API double tangent_indefiniteness(System& system, const State& state,
+                                                       Tangent kind);
+
 /// |K − Kᵀ| / |K|.
 [[nodiscard]] DEFORM_API double asymmetry(const SparseMatrix& k);
 

@@ -3,11 +3,14 @@
 
 #include <array>
 #include <initializer_list>
+#include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "deform/geometry/geometry.h"
 #include "deform/model/normal_estimator.h"
+#include "deform/model/tangent.h"
 #include "deform/plugin/descriptor.h"
 #include "deform/surface/sample_set.h"
 #include "deform/types.h"
@@ -138,6 +141,13 @@ class DEFORM_API JetTerm : public EnergyTerm {
   /// Adds k_mn and c_m from block.lagged. Rule: at now == lagged, Σ k_mn D_n r + c_m is the stress.
   virtual void affine_stress(const SampleBlock& block, const AffineStress& sigma) const;
 
+  /// The derivatives of the jet that the density depends on.
+  [[nodiscard]] virtual std::vector<Derivative> dependence() const;
+  /// Adds the second derivatives of the density at block.now; only for terms with a potential.
+  /// Default: central differences of the stress, made positive semidefinite by their spectrum
+  /// where that is asked for.
+  virtual void tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const;
+
   /// Number of sample fields that `auxiliary` computes and affine_stress differences (strong form).
   [[nodiscard]] virtual int auxiliary_fields() const { return 0; }
   virtual void auxiliary(const SampleBlock& block, std::span<const Values> fields) const;
@@ -176,6 +186,26 @@ class DEFORM_API TupleTerm : public EnergyTerm {
   /// Adds to k (size × width × width, row-major) [N/m] and c (size × width) [N] from the lagged
   /// positions. Rule: at now == lagged, −Σ_b k_ab r_b − c_a is the force.
   virtual void affine_force(const TupleBlock& block, Values k, std::span<Vec3> c) const = 0;
+  /// Adds to h (size × 3·width × 3·width, row-major) [N/m] the second derivatives of each tuple's
+  /// energy; only for terms with a potential. Default: central differences of the force, made
+  /// positive semidefinite by their spectrum where that is asked for.
+  virtual void tangent(const TupleBlock& block, Tangent kind, Values h) const;
+};
+
+/// An energy term that is a sum of others, each with its own sample set: stretching and bending of
+/// one material, say. The framework takes the parts for terms of the scene, under the compound's
+/// name, '_' and theirs.
+class DEFORM_API CompoundTerm : public EnergyTerm {
+ public:
+  struct Part {
+    std::string name;  ///< [a-z][a-z0-9_]*
+    std::shared_ptr<EnergyTerm> term;
+  };
+  ~CompoundTerm() override;
+  /// The same objects at every call.
+  [[nodiscard]] virtual const std::vector<Part>& parts() const = 0;
+  /// A sum promises what its parts do; nothing asks the sum.
+  [[nodiscard]] TermTraits traits() const final { return {}; }
 };
 
 }  // namespace deform

@@ -1,6 +1,9 @@
 /// Force fields: external forces on the nodes.
 #pragma once
 
+#include <utility>
+#include <vector>
+
 #include "deform/plugin/descriptor.h"
 #include "deform/types.h"
 
@@ -34,6 +37,8 @@ struct ForceTraits {
   /// f(v⁺) ≈ f(v) − d (v⁺ − v): of first order in the step, as with the tangent itself, and the
   /// bound sees to it that drag cannot overshoot.
   bool damping_bound = false;
+  /// Offers `tangent_pairs` and `add_exact_tangent`: Newton steps then converge quadratically.
+  bool exact_tangent = false;
 };
 
 /// An external force. Contract: const and thread-safe on blocks of nodes; adds; a node's force
@@ -50,6 +55,12 @@ class DEFORM_API ForceField : public Plugin {
   /// Adds −∂f/∂r [N/m] and −∂f/∂v [N·s/m] of each node (the scalar factors of the identity), or
   /// the damping that bounds it.
   virtual void add_tangent(const NodeBlock& nodes, Values stiffness, Values damping) const;
+  /// Pairs (a, b), a ≤ b, of nodes whose forces depend on each other's (or, a = b, their own)
+  /// positions, each once; fixed for the object's life.
+  [[nodiscard]] virtual std::vector<std::pair<Index, Index>> tangent_pairs() const;
+  /// Adds −∂f_a/∂r_b [N/m] of each of these pairs, in their order; `nodes` are all nodes. Where it
+  /// is not symmetric, as of a load that follows the surface, its symmetric part is used.
+  virtual void add_exact_tangent(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const;
   /// Adds the potential energy of each node [J]; the force is −∇ of their sum.
   virtual void add_potential(const NodeBlock& nodes, Values energy) const;
 };

@@ -13,6 +13,7 @@
 #include "deform/model/constraint.h"
 #include "deform/model/energy_term.h"
 #include "deform/model/force_field.h"
+#include "deform/solve/block_matrix.h"
 #include "deform/solve/linear_solver.h"
 #include "deform/surface/surface.h"
 #include "deform/types.h"
@@ -97,8 +98,19 @@ class DEFORM_API System {
   void evaluate(const State& state);
   /// The same, and the lagged operator K with f(r) = c − K r at this state.
   void evaluate_with_operator(const State& state);
+  /// Evaluates all forces at a state, and the tangent.
+  void evaluate_with_tangent(const State& state, Tangent kind);
+  /// Energy of all terms and potential energy of all force fields at a state [J].
+  [[nodiscard]] double potential(const State& state);
+  /// What has a part in the force but not in `potential`, and what has none in the tangent (or one
+  /// that is not its derivative): names, by which Newton's method is known to fall short.
+  [[nodiscard]] std::vector<std::string> without_potential() const;
+  [[nodiscard]] std::vector<std::string> without_tangent() const;
   /// (N × 3) internal plus external forces of the last evaluation [N].
   [[nodiscard]] const NodeVectors& force() const;
+  /// Of the last evaluate_with_tangent: −∂f/∂r of all terms with a potential and all force fields
+  /// that know theirs [N/m].
+  [[nodiscard]] const BlockMatrix& tangent() const;
   /// (N) −∂f/∂v, or what bounds it, of force fields that say so, of the last
   /// evaluate_with_operator [N·s/m].
   [[nodiscard]] const NodeValues& force_damping() const;
@@ -111,7 +123,30 @@ class DEFORM_API System {
   /// Solves (K + diag(d)) x = b on the free degrees of freedom; prescribed entries of x (N × 3) are
   /// given. Throws Error with ExitCode::diverged and each solver's reason when none can.
   void solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x);
-  /// Writes the prescribed components [m] at a time; leaves the others alone.
+  /// Factorises Tᵀ(K + diag(d))T with the tangent of the last evaluate_with_tangent, d (N) for x, y
+  /// and z alike [N/m]. Returns "" or why it is not positive definite.
+  [[nodiscard]] std::string factor_tangent(const NodeValues& d);
+  /// Solves with that factor: x = T y, Tᵀ(K + diag(d))T y = Tᵀb; b and x (N × 3). Prescribed
+  /// components of x are 0.
+  void solve_tangent(const NodeVectors& b, NodeVectors& x);
+  /// Tᵀ(K + diag(d))T x for changes x (N × 3) that the constraints allow.
+  void apply_tangent(const NodeValues& d, const NodeVectors& x, NodeVectors& y) const;
+  /// The lowest eigenvalue of K x = λ M x on what is free, with K the tangent of the last
+  /// evaluate_with_tangent [1/s²]; how many are negative; and its x (N × 3).
+  struct Stability {
+    double lowest = 0;
+    Index negative = 0;
+    NodeVectors mode;
+  };
+  [[nodiscard]] Stability stability();
+  /// Tells `factor_tangent` to hold as many components as it takes for a surface that its
+  /// constraints do not hold in space (statics, where inertia does not either). Returns how many.
+  Index hold_rigid_motions(const NodeVectors& r);
+
+  /// Tᵀf in place (N × 3): what acts on free components, that on tied ones included.
+  void reduce_force(NodeVectors& f) const;
+  /// Writes the prescribed components [m] at a time, and those that are tied to others; leaves
+  /// these alone.
   void prescribe(double time, NodeVectors& r) const;
 
   /// Puts `after`, whose time is `step` seconds later than `before`'s, on the constraints:

@@ -1,0 +1,53 @@
+/// Tangents: second derivatives of densities of energy with respect to the jet.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "deform/geometry/pairs.h"
+#include "deform/types.h"
+
+namespace deform {
+
+/// Which second derivative of a potential a Newton step asks for.
+enum class Tangent : std::uint8_t {
+  exact,         ///< the Hessian; indefinite where the surface is compressed
+  projected,     ///< Gauss–Newton and what else is positive semidefinite at each sample
+  gauss_newton,  ///< δG and δB are taken as linear in δr: positive semidefinite, and coarser
+};
+
+/// The derivatives D_1 … D_22 that make a jet.
+inline constexpr int kJet = 5;
+
+/// Hessians of a block's density, one a sample: 3 × 3 blocks ∂²W/∂(D_m r)∂(D_n r) for m ≤ n, of the
+/// derivatives that the density depends on; a view, terms add to it.
+class JetTangent {
+ public:
+  /// Place of the block (m, n) among a sample's, counted in the order of the upper triangle; −1
+  /// where the density does not depend on one of both.
+  using Places = std::array<std::array<std::int8_t, kDerivatives>, kDerivatives>;
+
+  JetTangent(double* data, Index stride, const Places& places, Index size)
+      : data_(data), stride_(stride), places_(&places), size_(size) {}
+
+  [[nodiscard]] Index size() const { return size_; }
+  /// Adds to the block (m, n), m ≤ n, at a sample; nothing where the density was said not to depend
+  /// on one of them.
+  void add(Index sample, Derivative m, Derivative n, const Eigen::Matrix3d& h) const {
+    const int place =
+        (*places_)[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))];
+    if (place < 0) return;
+    Eigen::Map<Eigen::Matrix3d> block(data_ + sample * stride_ + 9 * place);
+    block += h;
+  }
+
+ private:
+  double* data_;
+  Index stride_;  // numbers a sample
+  const Places* places_;
+  Index size_;
+};
+
+}  // namespace deform

@@ -1,0 +1,44 @@
+/// Symmetric sparse matrices of 3 × 3 blocks, one row a node.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "deform/types.h"
+
+namespace deform {
+
+/// Symmetric (3N × 3N), upper half: the columns of row a are ≥ a, ascending, its diagonal block
+/// first; 9 numbers a block, row-major.
+struct BlockMatrix {
+  Index nodes = 0;
+  std::vector<std::int32_t> row_begin{0};  ///< (N + 1), in blocks
+  std::vector<std::int32_t> column;
+  std::vector<double> value;
+
+  using Block = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+  /// The block (a, b), a ≤ b, which the pattern must have.
+  [[nodiscard]] Block block(Index a, Index b) {
+    const auto begin = column.begin() + row_begin[static_cast<std::size_t>(a)];
+    const auto end = column.begin() + row_begin[static_cast<std::size_t>(a) + 1];
+    const auto place = std::lower_bound(begin, end, static_cast<std::int32_t>(b)) - column.begin();
+    return Block(value.data() + 9 * place);
+  }
+
+  /// y = A x for x (N × 3).
+  void multiply(const NodeVectors& x, NodeVectors& y) const {
+    y.setZero(nodes, 3);
+    for (Index a = 0; a < nodes; ++a)
+      for (std::int32_t p = row_begin[static_cast<std::size_t>(a)];
+           p < row_begin[static_cast<std::size_t>(a) + 1]; ++p) {
+        const Index b = column[static_cast<std::size_t>(p)];
+        const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(
+            value.data() + 9 * static_cast<std::size_t>(p));
+        y.row(a) += (block * x.row(b).transpose()).transpose();
+        if (b != a) y.row(b) += (block.transpose() * x.row(a).transpose()).transpose();
+      }
+  }
+};
+
+}  // namespace deform

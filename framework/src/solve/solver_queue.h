@@ -1,0 +1,39 @@
+/// The linear solvers that suit a matrix, best first; one that cannot hands over to the next.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "deform/solve/sparse_matrix.h"
+#include "deform/solve/system.h"
+
+namespace deform {
+
+class SolverQueue {
+ public:
+  using MakeSolvers = std::function<std::vector<Named<LinearSolver>>()>;
+
+  /// Throws InputError when none takes such matrices.
+  SolverQueue(const MakeSolvers& make_solvers, const MatrixTraits& traits);
+
+  /// "" or why none could, each solver's reason.
+  [[nodiscard]] std::string factor(const SparseMatrix& a);
+  /// Only the first: what cannot be factorised is a result, too (a matrix that is indefinite).
+  [[nodiscard]] std::string factor_with_first(const SparseMatrix& a);
+  void solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x);
+  [[nodiscard]] const Named<LinearSolver>& in_use() const { return solvers_[in_use_]; }
+  /// "cholmod (matrix symmetric, 361 unknowns, 4000 entries)".
+  [[nodiscard]] std::string choice(const SparseMatrix& a) const;
+
+ private:
+  [[nodiscard]] std::string factor_with(std::size_t i, const SparseMatrix& a);
+
+  MatrixTraits traits_;
+  std::vector<Named<LinearSolver>> solvers_;
+  std::vector<bool> analysed_;
+  std::size_t in_use_ = 0;
+  long handovers_ = 0;
+};
+
+}  // namespace deform

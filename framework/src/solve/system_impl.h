@@ -1,0 +1,76 @@
+/// What a System is made of.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "deform/solve/system.h"
+
+#include "solve/contacts.h"
+#include "solve/external_forces.h"
+#include "solve/jet_assembler.h"
+#include "solve/reduced_solver.h"
+#include "solve/tangent_assembler.h"
+#include "solve/tangent_solver.h"
+#include "solve/tuple_assembler.h"
+
+namespace deform {
+
+/// One sample set with its terms, and its geometry at the states that matter.
+struct SetPart {
+  JetAssembler assembler;
+  Geometry rest;
+  std::array<Geometry, 2> geometry;  // one of a step's start, one of any other state
+};
+
+struct System::Impl {
+  explicit Impl(ModelParts p);
+
+  void read_traits();
+  [[nodiscard]] SampleRole role_of(std::size_t term, const JetTerm& jet) const;
+  void make_sets();
+  void make_tuples();
+  void make_pattern();
+  void make_tangent_pattern();
+  void make_tangent_solver();
+  [[nodiscard]] SetPart& set_of(const SampleSet& samples);
+  [[nodiscard]] Geometries geometries(SetPart& set) {
+    return {set.geometry[current], set.geometry[current], set.rest};
+  }
+  void update_geometry(const NodeVectors& r);
+  void update_normals();
+  void evaluate_internal(const State& state);
+  void add_internal_force(NodeVectors& f) const;
+  [[nodiscard]] NodeVectors force_of(const Named<ForceField>& field, const State& state);
+  [[nodiscard]] bool operator_is_finite() const;
+
+  ModelParts parts;
+  std::vector<TermTraits> traits;  // of the energies
+  Reduction reduction;
+  std::optional<ReductionMap> map;  // made when the reduction is known
+  std::vector<SetPart> sets;
+  std::vector<TupleAssembler> tuples;
+  ExternalForces external;
+  std::optional<Contacts> contacts;  // made when the reduction is known
+
+  std::array<NodeVectors, 2> known;  // positions of geometry[0] and [1]
+  std::size_t current = 0;           // which of both is that of the last updated state
+  std::optional<std::size_t> held;   // which is that of the step's start
+  NodeVectors normals;               // at the nodes, of the current geometry
+
+  NodeVectors force;
+  NodeValues force_stiffness, force_damping;
+  SparseMatrix k;
+  long version = 0;
+  std::optional<ReducedSolver> solver;
+  std::string no_solver = "none was needed";
+  BlockMatrix tangent;
+  std::vector<TangentAssembler> tangents;  // of each set; made when first asked for
+  std::optional<TangentSolver> tangent_solver;
+  std::vector<Freedom> held_freedoms;
+  StepTimes times;
+};
+
+}  // namespace deform

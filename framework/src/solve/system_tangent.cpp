@@ -1,0 +1,133 @@
+/// The part of a System that Newton's method needs: potential, tangent, solves with it.
+#include <algorithm>
+#include <cmath>
+
+#include "solve/lowest_eigenvalue.h"
+#include "solve/not_finite.h"
+#include "solve/rigid_modes.h"
+#include "solve/stopwatch.h"
+#include "solve/system_impl.h"
+
+namespace deform {
+
+void System::Impl::make_tangent_pattern() {
+  for (const SetPart& set : sets) tangents.emplace_back(set.assembler);
+  std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(parts.surface->nodes()));
+  const auto compress = [](std::vector<std::int32_t>& row) {
+    std::ranges::sort(row);
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+  };
+  const auto add = [&](Index a, Index b) {
+    auto& row = rows[static_cast<std::size_t>(std::min(a, b))];
+    row.push_back(static_cast<std::int32_t>(std::max(a, b)));
+    if (row.size() >= 256) compress(row);  // the same block comes from many samples
+  };
+  for (const TangentAssembler& t : tangents) t.visit_pattern(add);
+  for (const TupleAssembler& t : tuples) t.visit_pattern(add);
+  external.visit_pattern(add);
+  tangent.nodes = parts.surface->nodes();
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    rows[a].push_back(static_cast<std::int32_t>(a));
+    compress(rows[a]);
+    tangent.column.insert(tangent.column.end(), rows[a].begin(), rows[a].end());
+    tangent.row_begin.push_back(static_cast<std::int32_t>(tangent.column.size()));
+  }
+  tangent.value.resize(9 * tangent.column.size());
+  for (TangentAssembler& t : tangents) t.bind(tangent);
+}
+
+void System::Impl::make_tangent_solver() {
+  if (tangent_solver) return;
+  tangent_solver.emplace(*map, tangent, parts.make_solvers);
+  if (!held_freedoms.empty()) tangent_solver->hold(held_freedoms);
+}
+
+const BlockMatrix& System::tangent() const { return impl_->tangent; }
+
+void System::evaluate_with_tangent(const State& state, Tangent kind) {
+  evaluate(state);
+  const Stopwatch watch(impl_->times.assembly);
+  if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
+  BlockMatrix& k = impl_->tangent;
+  std::ranges::fill(k.value, 0.0);
+  for (std::size_t i = 0; i < impl_->sets.size(); ++i) {
+    impl_->tangents[i].evaluate(impl_->geometries(impl_->sets[i]), kind);
+    impl_->tangents[i].add(k);
+  }
+  for (TupleAssembler& t : impl_->tuples) t.add_tangent(state.r, kind, k);
+  impl_->force_stiffness.setZero();
+  impl_->force_damping.setZero();
+  impl_->external.add_tangent(state, impl_->normals, impl_->force_stiffness, impl_->force_damping);
+  for (Index a = 0; a < k.nodes; ++a) k.block(a, a).diagonal().array() += impl_->force_stiffness[a];
+  impl_->external.add_exact_tangent(state, impl_->normals, k);
+  const Eigen::Map<const Eigen::VectorXd> values(k.value.data(),
+                                                 static_cast<Index>(k.value.size()));
+  if (!values.allFinite())
+    throw NotFinite("the tangent is not finite", -1, largest_force_at(0, state));
+}
+
+double System::potential(const State& state) {
+  double sum = external_potential(state);
+  for (std::size_t t = 0; t < impl_->parts.energies.size(); ++t) sum += energy(t, state);
+  return sum;
+}
+
+std::vector<std::string> System::without_potential() const {
+  std::vector<std::string> names = impl_->external.without_potential();
+  for (std::size_t t = 0; t < impl_->traits.size(); ++t)
+    if (!impl_->traits[t].potential) names.push_back(impl_->parts.energies[t].name);
+  return names;
+}
+
+std::vector<std::string> System::without_tangent() const {
+  std::vector<std::string> names = impl_->external.without_tangent();
+  for (std::size_t t = 0; t < impl_->traits.size(); ++t)
+    if (!impl_->traits[t].potential) names.push_back(impl_->parts.energies[t].name);
+  return names;
+}
+
+std::string System::factor_tangent(const NodeValues& d) {
+  require_finite(d, "what is added to the tangent", "the integrator", "");
+  const Stopwatch watch(impl_->times.factorisation);
+  impl_->make_tangent_solver();
+  return impl_->tangent_solver->factor(impl_->tangent, d);
+}
+
+void System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
+  require_finite(b, "the right-hand side", "the integrator", "");
+  const Stopwatch watch(impl_->times.solve);
+  impl_->tangent_solver->solve(b, x);
+}
+
+void System::apply_tangent(const NodeValues& d, const NodeVectors& x, NodeVectors& y) const {
+  impl_->tangent.multiply(x, y);
+  y += d.asDiagonal() * x;
+  impl_->map->transpose(y);
+}
+
+System::Stability System::stability() {
+  impl_->make_tangent_solver();
+  const NodeValues zero = NodeValues::Zero(nodes());
+  // Lumped masses of what is free: the row sums of TᵀMT.
+  NodeVectors mass(nodes(), 3);
+  for (int c = 0; c < 3; ++c) mass.col(c) = impl_->parts.mass;
+  impl_->map->transpose(mass);
+  const Eigen::VectorXd m = impl_->tangent_solver->gathered(mass);
+  const LowestEigenvalue lowest =
+      lowest_eigenvalue(impl_->tangent_solver->reduced(impl_->tangent, zero), m);
+  return {lowest.value, lowest.negative,
+          lowest.vector.size() == 0 ? NodeVectors(NodeVectors::Zero(nodes(), 3))
+                                    : impl_->tangent_solver->expanded(lowest.vector)};
+}
+
+Index System::hold_rigid_motions(const NodeVectors& r) {
+  if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
+  impl_->held_freedoms = components_to_hold(*impl_->map, r);
+  impl_->tangent_solver.reset();
+  impl_->make_tangent_solver();
+  return static_cast<Index>(impl_->held_freedoms.size());
+}
+
+void System::reduce_force(NodeVectors& f) const { impl_->map->transpose(f); }
+
+}  // namespace deform
