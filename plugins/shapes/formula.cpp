@@ -39,11 +39,13 @@ class Formula final : public Shape {
   }
 
  private:
+  /// Also says what is wrong with the constants, where it is these.
   static Expression component(const char* pointer, const std::string& text, const Parameters& p) {
     try {
       return {text, {"a1", "a2", "L1", "L2"}, p.constants};
-    } catch (const InputError& error) {
-      throw InputError({Problem{pointer, error.what()}});
+    } catch (const ExpressionError& error) {
+      const bool by_constants = error.what() == error.why();  // no formula is quoted
+      throw InputError({Problem{by_constants ? "/constants" : pointer, error.what()}});
     }
   }
 

@@ -355,7 +355,7 @@ bad("formula_that_ends_early", {"/surface/rest": {"plugin": "formula", "z": "2*(
 bad("formula_not_finite", {"/surface/rest": {"plugin": "formula", "z": "1/a1"}},
     "at /surface/rest", "is inf at a1 = 0", beyond="formulas")
 bad("formula_constant_misnamed", {"/surface/rest": {"plugin": "formula", "constants": {"pi": 3}}},
-    "at /surface/rest", "has the name of something else", beyond="formulas")
+    "at /surface/rest/constants", "has the name of something else", beyond="formulas")
 bad("tube_too_thick", {"/surface/rest": {"plugin": "torus", "radius": 1, "tube": 2}},
     "at /surface/rest/tube", "must be thinner", beyond="shapes")
 bad("field_with_unknown_name", {"/energies/-": {"plugin": "edge_springs", "stiffness": {"formula": "b1"}}},

@@ -19,6 +19,10 @@ LEFT = {"boundary": "left"}
 PARAMETERS = {
     "shape/arc": [{"radius": 0.5}, {"radius": 0.4, "along": 2, "side": -1}],
     "shape/sphere_patch": [{"radius": 1.5}],
+    "shape/hemisphere": [{"radius": 0.5}, {"radius": 10, "sector": 90, "hole": 30}],
+    "shape/torus": [{"radius": 0.5, "tube": 0.2}],
+    "shape/helicoid": [{"height": 0.5, "inner": -0.5, "turns": -0.5}],
+    "shape/formula": [{"z": "k*sin(2*pi*a1/L1)*a2", "constants": {"k": 0.1}}],
     "surface/grid": [
         {"nodes": [9, 7]}, {"nodes": [9, 7], "differences": "forward", "border": "paper",
                             "weights": "equal"}, {"nodes": [9, 7], "differences": "central"},
@@ -29,8 +33,10 @@ PARAMETERS = {
                        for form in ("divergence", "expanded")
                        for normal in ({"plugin": "exact"}, {"plugin": "terzopoulos"},
                                       {"plugin": "gauss", "delta": 0})],
-    "energy/edge_springs": [{}, {"diagonals": False}],
+    "energy/edge_springs": [{}, {"diagonals": False}, {"stiffness": {"formula": "1 + a1"}}],
     "force/point_load": [{"force": [0, 0, -1], "where": LEFT}],
+    "force/edge_load": [{"force": [0, 0, -1], "where": LEFT}],
+    "force/moment": [{"moment": 0.1, "axis": [0, 2, 0], "where": LEFT}],
     "force/spring": [{"anchor": [0.5, 0.4, 0.3], "where": LEFT},
                      {"anchor": [0.5, 0.4, 0.3], "where": LEFT, "rest_length": 0.2}],
     "force/gravity": [{}, {"time": {"ramp": [0, 1]}}],
@@ -38,6 +44,8 @@ PARAMETERS = {
     "force/wind": [{}, {"velocity": [3, 1, 2]}, {"velocity": [0, 0, -5], "drag": 0, "friction": 1}],
     "probe/folds": [{"where": {"boundary": "bottom"}}],
     "constraint/pin": [{"where": LEFT}, {"where": LEFT, "components": ["z"]}],
+    "constraint/clamp": [{"where": LEFT}, {"where": {"boundary": ["left", "top"]}, "tangent": "full"}],
+    "constraint/symmetry": [{"where": LEFT, "plane": "x"}],
     "constraint/move": [{"where": LEFT, "times": [0, 1], "displacements": [[0, 0, 0], [0, 0, 0.1]]}],
 }
 
@@ -107,6 +115,7 @@ class PluginCheck(unittest.TestCase):
         self.find_out("force", "neighbours", "a node's force depends on that node alone",
                       "same bits in blocks")
         for about, name in (("potential", "force = −gradient of the potential"),
+                            ("tangent", "exact tangent = −∂f/∂r"),
                             ("bound", "−∂f/∂v is at most the damping that bounds it"),
                             ("stiffness", "a bound of the damping comes without a stiffness")):
             self.find_out("force", about, name, name="coupled_liar")

@@ -1,6 +1,8 @@
 /// One contract a kind of plugin; each adds what it finds to the checks.
 #pragma once
 
+#include <functional>
+
 #include "check/subject.h"
 
 namespace deform {
@@ -18,7 +20,10 @@ void check_output_contract(const Subject& subject, Checks& checks);
 void check_probe_contract(const Subject& subject, Checks& checks);
 
 /// For all that take part in steps: a run is the same on any number of threads, and the same when
-/// it is saved half-way and goes on in fresh objects.
-void check_run(const Subject& subject, Checks& checks);
+/// it is saved half-way and goes on in fresh objects. On those terrains where `suits` says that the
+/// integrator can make a run.
+void check_run(
+    const Subject& subject, Checks& checks,
+    const std::function<bool(const Terrain&)>& suits = [](const Terrain&) { return true; });
 
 }  // namespace deform

@@ -1,4 +1,5 @@
 /// Force fields: potentials and tangents against differences, blocks of nodes.
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -192,6 +193,43 @@ void check_damping_bound(Cloud c, Checks& checks) {
   checks.below("−∂f/∂v is at most the damping that bounds it", largest, 1 + 1e-6);
 }
 
+/// x·K x against the change of x·f along x, fourth-order differences: for all x, that is the
+/// symmetric part of −∂f/∂r.
+void check_exact_tangent(Cloud c, Checks& checks) {
+  constexpr double h = 1e-5;
+  const auto pairs = c.field.tangent_pairs();
+  const Index n = c.r.rows();
+  auto ordered = pairs;
+  std::ranges::sort(ordered);
+  checks.holds("its tangent's pairs of nodes are ascending, existing, each once",
+               std::ranges::adjacent_find(ordered) == ordered.end() &&
+                   std::ranges::all_of(pairs,
+                                       [&](const auto& p) {
+                                         return 0 <= p.first && p.first <= p.second && p.second < n;
+                                       }),
+               "one is not");
+  std::vector<Eigen::Matrix3d> blocks(pairs.size(), Eigen::Matrix3d::Zero());
+  c.field.add_exact_tangent(c.block(0, n), blocks);
+  double scale = c.force().norm();
+  for (const Eigen::Matrix3d& block : blocks) scale = std::max(scale, block.norm());
+  const NodeVectors r = c.r;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const NodeVectors x = random_directions(n, seed);
+    double promised = 0;
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+      const auto& [a, b] = pairs[p];
+      promised += (a == b ? 1 : 2) * x.row(a).dot(blocks[p] * x.row(b).transpose());
+    }
+    const auto along = [&](double step) {
+      c.r = r + step * x;
+      return c.force().cwiseProduct(x).sum();
+    };
+    const double found = -(8 * (along(h) - along(-h)) - (along(2 * h) - along(-2 * h))) / (12 * h);
+    checks.below("exact tangent = −∂f/∂r, symmetric part",
+                 relative(std::abs(promised - found), scale), 1e-6);
+  }
+}
+
 /// Moves every other node and looks at the rest.
 void check_locality(Cloud c, Checks& checks) {
   const NodeVectors before = c.force();
@@ -222,6 +260,7 @@ void check_force_contract(const Subject& subject, Checks& checks) {
           traits.neighbours ? check_joint_potential(c, checks) : check_potential(c, checks);
         if (traits.isotropic_tangent) check_tangents(c, checks);
         if (traits.damping_bound) check_damping_bound(c, checks);
+        if (traits.exact_tangent) check_exact_tangent(c, checks);
         checks.report("largest force on a node", c.force().rowwise().norm().maxCoeff(), "N");
       }
     });

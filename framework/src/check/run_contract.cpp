@@ -33,10 +33,15 @@ std::vector<double> run_with_a_break(const Subject& subject, const Terrain& terr
 
 }  // namespace
 
-void check_run(const Subject& subject, Checks& checks) {
+void check_run(const Subject& subject, Checks& checks,
+               const std::function<bool(const Terrain&)>& suits) {
   for (const Terrain& terrain : {terrains(17, 13).front(), terrains(9, 7)[4]}) {
     checks.at(terrain.name);
     checks.runs("takes part in a run", [&] {
+      if (!suits(terrain)) {
+        checks.report("run", "left out: its ties mix components here, which takes Newton's method");
+        return;
+      }
       const std::vector<double> expected = run(subject.simulation(terrain), kSteps);
       checks.holds("same run on any number of threads",
                    same_on_threads([&] { return run(subject.simulation(terrain), kSteps); }),

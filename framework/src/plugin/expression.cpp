@@ -71,6 +71,10 @@ struct Expression::Parsed {
         fmt::format("found {}, expected a formula{}: {}", shown(Json(text)), of, why), why, token);
   }
 
+  [[noreturn]] static void reject_constant(const std::string& why, const std::string& name) {
+    throw ExpressionError(why, why, name);  // whatever the formula is
+  }
+
   void define(const Constants& constants) {
     values.resize(variables.size(), 1.0);
     for (std::size_t i = 0; i < values.size(); ++i) parser.DefineVar(variables[i], &values[i]);
@@ -78,11 +82,12 @@ struct Expression::Parsed {
     for (const auto& [name, value] : constants) {
       const auto known = names_in(variables, parser);
       if (std::ranges::find(known, name) != known.end())
-        reject(fmt::format("the constant \"{}\" has the name of something else", name), name);
+        reject_constant(fmt::format("the constant \"{}\" has the name of something else", name),
+                        name);
       try {
         parser.DefineConst(name, value);
       } catch (const mu::ParserError&) {
-        reject(fmt::format("a constant cannot be called {}", shown(Json(name))), name);
+        reject_constant(fmt::format("a constant cannot be called {}", shown(Json(name))), name);
       }
     }
   }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "deform/export.h"
@@ -31,7 +32,7 @@ struct ParameterRectangle {
 /// That of the surface's nodes; on joined sides a whole period.
 [[nodiscard]] DEFORM_API ParameterRectangle parameter_rectangle(const Surface& surface);
 
-/// What a scene says of a value, against which it is checked wherever it is evaluated.
+/// The rules of the parameter that it is, which are checked wherever it is evaluated.
 struct FieldRules {
   std::string pointer;  ///< where the scene says it
   std::string unit;
