@@ -32,6 +32,8 @@ struct Parameters {
 constexpr int kMostHalvings = 10;
 /// A line search halves its step this often.
 constexpr int kMostCuts = 24;
+/// Newton steps without line search before that is tried.
+constexpr int kMostLongSteps = 25;
 /// Forces that cancel to this part of what they are made of cannot cancel further by a step that
 /// moves nothing.
 constexpr double kRoundingOfForces = 1e-6, kRoundingOfPositions = 1e-13;
@@ -63,7 +65,7 @@ class Static final : public Integrator {
       while (done < 1) {
         const double next = done + part > 1 - 1e-9 ? 1 : done + part;
         State trial = state;
-        const Outcome outcome = solve(system, trial, next);
+        const Outcome outcome = find_equilibrium(system, trial, next);
         ++system.step_report().substeps;
         if (outcome.converged) {
           state = trial;
@@ -166,6 +168,52 @@ class Static final : public Integrator {
     for (double shift = 1e-10; !reason.empty() && shift < 1e-1; shift *= 10)
       reason = system.factor_tangent(NodeValues::Constant(k.nodes, shift * mean));
     return reason;
+  }
+
+  /// By long steps first; where these lead nowhere, by such as lower the potential.
+  [[nodiscard]] Outcome find_equilibrium(System& system, State& state, double lambda) {
+    if (has_potential_) {
+      State bold = state;
+      if (go_by_long_steps(system, bold, lambda)) {
+        state = bold;
+        return accept(system);
+      }
+    }
+    return solve(system, state, lambda);
+  }
+
+  /// Newton's method without line search, with the stress that the last step foresaw in its
+  /// tangent. Gives up when it goes astray.
+  [[nodiscard]] bool go_by_long_steps(System& system, State& state, double lambda) {
+    state.time = end_;
+    place_prescribed(system, state, lambda);
+    StepReport& report = system.step_report();
+    report.residuals.clear();
+    scale_ = first_force_.norm();
+    NodeVectors before = state.r;
+    double last_move = kInfinity;
+    for (int i = 0; i <= kMostLongSteps; ++i) {
+      system.evaluate_with_tangent(state, Tangent::foreseen, i == 0 ? nullptr : &before);
+      const double norm = residual_norm(system, lambda);
+      // Relative to the load: what long steps stretch is no measure of it.
+      const double load = i == 0 ? scale_ : report_scale_;
+      report_scale_ = load;
+      report.residual = load > 0 ? norm / load : 0;
+      report.residuals.push_back(report.residual);
+      log::debug("static: long step " + std::to_string(i) + ", residual " +
+                 scientific(report.residual));
+      if (report.residual <= parameters_.tolerance) return true;
+      if (last_move <= kRoundingOfPositions * size_) return report.residual <= kRoundingOfForces;
+      if (i == kMostLongSteps || !std::isfinite(norm)) return false;
+      ++report.iterations;
+      if (!system.factor_tangent(zero_).empty()) return false;
+      system.solve_tangent(residual_, direction_);
+      last_move = direction_.rowwise().norm().maxCoeff();
+      if (!(last_move <= 2 * size_)) return false;
+      before = state.r;
+      state.r += direction_;
+    }
+    return false;
   }
 
   [[nodiscard]] Outcome solve(System& system, State& state, double lambda) {
@@ -296,7 +344,7 @@ class Static final : public Integrator {
 
   Parameters parameters_;
   bool has_potential_ = true, said_ = false;
-  double end_ = 0, size_ = 0, scale_ = 0;
+  double end_ = 0, size_ = 0, scale_ = 0, report_scale_ = 0;
   std::vector<Freedom> held_;
   NodeValues zero_;
   NodeVectors start_, target_, first_force_, residual_, direction_;

@@ -63,8 +63,10 @@ void System::Impl::make_sets() {
       if (const auto jet = std::dynamic_pointer_cast<const JetTerm>(parts.energies[t].object))
         if (&parts.surface->samples(role_of(t, *jet)) == set)
           terms.push_back({t, parts.energies[t].origin, jet, traits[t]});
-    sets.push_back(
-        {JetAssembler(*set, std::move(terms)), Geometry(*set), {Geometry(*set), Geometry(*set)}});
+    sets.push_back({JetAssembler(*set, std::move(terms)),
+                    Geometry(*set),
+                    {Geometry(*set), Geometry(*set)},
+                    {}});
   }
 }
 

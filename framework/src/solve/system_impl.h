@@ -24,6 +24,7 @@ struct SetPart {
   JetAssembler assembler;
   Geometry rest;
   std::array<Geometry, 2> geometry;  // one of a step's start, one of any other state
+  Geometry before;                   // a Newton step earlier; made when first needed
 };
 
 struct System::Impl {

@@ -44,14 +44,22 @@ void System::Impl::make_tangent_solver() {
 
 const BlockMatrix& System::tangent() const { return impl_->tangent; }
 
-void System::evaluate_with_tangent(const State& state, Tangent kind) {
+void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before) {
   evaluate(state);
   const Stopwatch watch(impl_->times.assembly);
   if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
   BlockMatrix& k = impl_->tangent;
   std::ranges::fill(k.value, 0.0);
   for (std::size_t i = 0; i < impl_->sets.size(); ++i) {
-    impl_->tangents[i].evaluate(impl_->geometries(impl_->sets[i]), kind);
+    SetPart& set = impl_->sets[i];
+    Geometries geometries = impl_->geometries(set);
+    if (kind == Tangent::foreseen && before != nullptr) {
+      if (set.before.size() == 0) set.before = Geometry(set.assembler.samples());
+      set.before.compute(set.assembler.samples(), *before);
+      impl_->tangents[i].evaluate({geometries.now, set.before, geometries.rest}, kind);
+    } else {
+      impl_->tangents[i].evaluate(geometries, kind);
+    }
     impl_->tangents[i].add(k);
   }
   for (TupleAssembler& t : impl_->tuples) t.add_tangent(state.r, kind, k);

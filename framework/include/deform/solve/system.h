@@ -106,8 +106,9 @@ class DEFORM_API System {
   void evaluate(const State& state);
   /// The same, and the lagged operator K with f(r) = c − K r at this state.
   void evaluate_with_operator(const State& state);
-  /// Evaluates all forces at a state, and the tangent.
-  void evaluate_with_tangent(const State& state, Tangent kind);
+  /// Evaluates all forces at a state, and the tangent; `before`: positions before the last Newton
+  /// step, for Tangent::foreseen.
+  void evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before = nullptr);
   /// Energy of all terms and potential energy of all force fields at a state [J].
   [[nodiscard]] double potential(const State& state);
   /// What has a part in the force but not in `potential`, and what has none in the tangent (or one
