@@ -172,18 +172,16 @@ class Static final : public Integrator {
 
   /// By long steps first; where these lead nowhere, by such as lower the potential.
   [[nodiscard]] Outcome find_equilibrium(System& system, State& state, double lambda) {
-    if (has_potential_) {
-      State bold = state;
-      if (go_by_long_steps(system, bold, lambda)) {
-        state = bold;
-        return accept(system);
-      }
+    State bold = state;
+    if (go_by_long_steps(system, bold, lambda)) {
+      state = bold;
+      return accept(system);
     }
     return solve(system, state, lambda);
   }
 
   /// Newton's method without line search, with the stress that the last step foresaw in its
-  /// tangent. Gives up when it goes astray.
+  /// tangent, if there is one. Gives up when it goes astray.
   [[nodiscard]] bool go_by_long_steps(System& system, State& state, double lambda) {
     state.time = end_;
     place_prescribed(system, state, lambda);
@@ -193,7 +191,11 @@ class Static final : public Integrator {
     NodeVectors before = state.r;
     double last_move = kInfinity;
     for (int i = 0; i <= kMostLongSteps; ++i) {
-      system.evaluate_with_tangent(state, Tangent::foreseen, i == 0 ? nullptr : &before);
+      if (has_potential_) {
+        system.evaluate_with_tangent(state, Tangent::foreseen, i == 0 ? nullptr : &before);
+      } else {
+        system.evaluate(state);
+      }
       const double norm = residual_norm(system, lambda);
       // Relative to the load: what long steps stretch is no measure of it.
       const double load = i == 0 ? scale_ : report_scale_;
@@ -206,14 +208,20 @@ class Static final : public Integrator {
       if (last_move <= kRoundingOfPositions * size_) return report.residual <= kRoundingOfForces;
       if (i == kMostLongSteps || !std::isfinite(norm)) return false;
       ++report.iterations;
-      if (!system.factor_tangent(zero_).empty()) return false;
-      system.solve_tangent(residual_, direction_);
+      if (!find_long_step(system, state)) return false;
       last_move = direction_.rowwise().norm().maxCoeff();
       if (!(last_move <= 2 * size_)) return false;
       before = state.r;
       state.r += direction_;
     }
     return false;
+  }
+
+  [[nodiscard]] bool find_long_step(System& system, const State& state) {
+    if (!has_potential_) return find_direction(system, state).empty();
+    if (!system.factor_tangent(zero_).empty()) return false;
+    system.solve_tangent(residual_, direction_);
+    return true;
   }
 
   [[nodiscard]] Outcome solve(System& system, State& state, double lambda) {
@@ -294,18 +302,36 @@ class Static final : public Integrator {
     return true;
   }
 
+  /// K Δr = f0 with what moves as it is told on the other side: at first order in it.
   void solve_linear(System& system, State& state) {
-    system.evaluate_with_tangent(state, Tangent::exact);
-    const std::string reason = system.factor_tangent(zero_);
-    if (!reason.empty())
-      throw Error(ExitCode::diverged, "the tangent of linear statics is not positive definite (" +
-                                          reason + "): the state is not stable");
-    NodeVectors right = first_force_, moved = target_ - start_, product;
+    NodeVectors moved = target_ - start_;
     for (int c = 0; c < 3; ++c)
       for (Index a = 0; a < moved.rows(); ++a)
         if (!system.reduction().prescribed(a, c)) moved(a, c) = 0;
-    system.tangent().multiply(moved, product);
-    system.solve_tangent(right - product, direction_);
+    if (has_potential_) {
+      system.evaluate_with_tangent(state, Tangent::exact);
+      NodeVectors product;
+      system.tangent().multiply(moved, product);
+      residual_ = first_force_ - product;
+    } else if (!moved.isZero(0)) {
+      throw InputError(
+          "'linear' with moved constraints takes energies and forces with a potential");
+    } else {
+      system.evaluate(state);
+      residual_ = first_force_;
+    }
+    std::string reason;
+    if (has_potential_) {
+      reason = system.factor_tangent(zero_);
+      if (reason.empty()) system.solve_tangent(residual_, direction_);
+    } else {
+      reason = find_direction(system, state);
+    }
+    if (!reason.empty())
+      throw Error(ExitCode::diverged,
+                  "linear statics has no solution: the tangent at the beginning is not positive "
+                  "definite, or singular (" +
+                      reason + ")");
     state.r += direction_ + moved;
     system.step_report().iterations = 1;
   }

@@ -20,6 +20,10 @@ class StabilityProbe final : public Probe {
   }
 
   void measure(const Frame& frame, Values figures) override {
+    if (!frame.system.without_tangent().empty()) {  // what has no potential has no such eigenvalues
+      for (double& figure : figures) figure = kNoFigure;
+      return;
+    }
     frame.system.evaluate_with_tangent(frame.state, Tangent::exact);
     const System::Stability s = frame.system.stability();
     figures[0] = s.lowest;
