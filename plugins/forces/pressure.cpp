@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <map>
 
 #include <deform/model/force_field.h>
 
@@ -48,10 +49,12 @@ class Pressure final : public ForceField {
       : pressure_(p.pressure),
         time_(p.time),
         corners_(setup.surface()),
-        closed_(is_closed(corners_.faces())) {}
+        closed_(is_closed(corners_.faces())) {
+    number_pairs();
+  }
 
   [[nodiscard]] ForceTraits traits() const override {
-    return {.potential = closed_, .neighbours = true};
+    return {.potential = closed_, .neighbours = true, .exact_tangent = true};
   }
 
   void add_force(const NodeBlock& nodes, Vectors force) const override {
@@ -65,8 +68,64 @@ class Pressure final : public ForceField {
     for (Index i = 0; i < nodes.size; ++i)
       energy[i] -= p / 3 * nodes.r[i].dot(volume_gradient(nodes.first + i, nodes.all_r));
   }
+  [[nodiscard]] std::vector<std::pair<Index, Index>> tangent_pairs() const override {
+    return pairs_;
+  }
+  /// Its symmetric part; the rest of it is nothing but what stands at an open border.
+  void add_exact_tangent(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const override {
+    const double p = time_(nodes.time) * pressure_;
+    auto place = places_.begin();
+    visit_pairs([&](Face face, std::size_t c, std::size_t d) {
+      const Eigen::Matrix3d there = derivative(face, c, d, nodes.all_r),
+                            back = derivative(face, d, c, nodes.all_r);
+      blocks[*place++] -= p / 2 * (there + back.transpose());
+    });
+  }
 
  private:
+  using Face = std::span<const std::int32_t>;
+
+  /// All pairs (c, d) of a face's corners, face by face, whose nodes ascend or are the same.
+  template <class Visit>
+  void visit_pairs(const Visit& visit) const {
+    const Faces& faces = corners_.faces();
+    for (std::size_t f = 0; f + 1 < faces.begin.size(); ++f) {
+      const auto first = static_cast<std::size_t>(faces.begin[f]);
+      const Face face(faces.nodes.data() + first,
+                      static_cast<std::size_t>(faces.begin[f + 1]) - first);
+      for (std::size_t c = 0; c < face.size(); ++c)
+        for (std::size_t d = 0; d < face.size(); ++d)
+          if (face[c] <= face[d]) visit(face, c, d);
+    }
+  }
+  void number_pairs() {
+    std::map<std::pair<Index, Index>, std::size_t> number;
+    visit_pairs([&](Face face, std::size_t c, std::size_t d) {
+      const auto [at, is_new] = number.try_emplace({face[c], face[d]}, pairs_.size());
+      if (is_new) pairs_.push_back(at->first);
+      places_.push_back(at->second);
+    });
+  }
+
+  /// By how much one face's part of volume_gradient at corner c changes with corner d [m].
+  static Eigen::Matrix3d derivative(Face face, std::size_t c, std::size_t d, ConstVectors r) {
+    const std::size_t k = face.size();
+    const auto corners = static_cast<double>(k);
+    const auto chord = [&](std::size_t i) {
+      return Vec3(r[face[(i + 1) % k]] - r[face[(i + k - 1) % k]]);
+    };
+    const double after = (c + 1) % k == d ? 1 : 0, before = (c + k - 1) % k == d ? 1 : 0;
+    const Vec3 out = r[face[c]] - mean(face, r);
+    return cross(-((c == d ? 1 : 0) - 1 / corners) / 6 * chord(c) + (after - before) / 6 * out -
+                 chord(d) / (6 * corners));
+  }
+  /// The matrix of x ↦ a × x.
+  static Eigen::Matrix3d cross(const Vec3& a) {
+    Eigen::Matrix3d m;
+    m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+    return m;
+  }
+
   [[nodiscard]] Vec3 volume_gradient(Index node, ConstVectors r) const {
     Vec3 sum = Vec3::Zero();
     for (const auto& [face, c] : corners_.of(node)) {
@@ -84,6 +143,8 @@ class Pressure final : public ForceField {
   TimeProfile time_;
   CornersOfNodes corners_;
   bool closed_;
+  std::vector<std::pair<Index, Index>> pairs_;
+  std::vector<std::size_t> places_;  // in pairs_, of what visit_pairs visits
 };
 
 }  // namespace

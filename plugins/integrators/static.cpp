@@ -127,10 +127,11 @@ class Static final : public Integrator {
     return residual_norm(system, lambda);
   }
 
-  /// Tᵀ(f − (1 − λ) f0) of the last evaluation, without what is held.
+  /// Tᵀ(f − (1 − λ) f0) of the last evaluation, without what is held. The forces at work are the
+  /// load and, at the same state, what constraints must hold against.
   [[nodiscard]] double residual_norm(const System& system, double lambda) {
     residual_ = system.force() - (1 - lambda) * first_force_;
-    scale_ = std::max(scale_, residual_.norm());
+    scale_ = std::max(first_force_.norm(), residual_.norm());
     system.reduce_force(residual_);
     for (const Freedom& f : held_) residual_(f.node, f.component) = 0;
     return residual_.norm();
@@ -187,7 +188,6 @@ class Static final : public Integrator {
     place_prescribed(system, state, lambda);
     StepReport& report = system.step_report();
     report.residuals.clear();
-    scale_ = first_force_.norm();
     NodeVectors before = state.r;
     double last_move = kInfinity;
     for (int i = 0; i <= kMostLongSteps; ++i) {
@@ -197,10 +197,7 @@ class Static final : public Integrator {
         system.evaluate(state);
       }
       const double norm = residual_norm(system, lambda);
-      // Relative to the load: what long steps stretch is no measure of it.
-      const double load = i == 0 ? scale_ : report_scale_;
-      report_scale_ = load;
-      report.residual = load > 0 ? norm / load : 0;
+      report.residual = scale_ > 0 ? norm / scale_ : 0;
       report.residuals.push_back(report.residual);
       log::debug("static: long step " + std::to_string(i) + ", residual " +
                  scientific(report.residual));
@@ -229,7 +226,6 @@ class Static final : public Integrator {
     place_prescribed(system, state, lambda);
     StepReport& report = system.step_report();
     report.residuals.clear();
-    scale_ = first_force_.norm();
     double last_move = kInfinity;
     for (std::int64_t i = 0; i <= parameters_.iterations; ++i) {
       if (has_potential_) {
@@ -370,7 +366,7 @@ class Static final : public Integrator {
 
   Parameters parameters_;
   bool has_potential_ = true, said_ = false;
-  double end_ = 0, size_ = 0, scale_ = 0, report_scale_ = 0;
+  double end_ = 0, size_ = 0, scale_ = 0;
   std::vector<Freedom> held_;
   NodeValues zero_;
   NodeVectors start_, target_, first_force_, residual_, direction_;

@@ -1,0 +1,107 @@
+#include <cmath>
+
+#include <deform/model/constraint.h>
+
+#include "../sides.h"
+
+namespace {
+using namespace deform;
+
+struct Parameters {
+  NodeSelection where;
+  std::string tangent = "direction";
+  static void declare(Declaration<Parameters>& d) {
+    d("where", &Parameters::where, "", "open sides: {\"boundary\": names}").required();
+    d("tangent", &Parameters::tangent, "",
+      "what is held of the derivative t across the side: its direction (t stays in the tangent "
+      "plane of the initial surface, and may grow or shrink), or all of it")
+        .one_of({"direction", "full"});
+  }
+};
+
+/// Components of a unit normal below this are rounding: a flat side's tie names one component.
+constexpr double kAlongAnAxis = 1e-12;
+
+/// The row's largest coefficient besides that of the edge node itself: the nearest node inside.
+const EdgeNode::Entry& nearest_inside(const EdgeNode& edge) {
+  const EdgeNode::Entry* best = nullptr;
+  for (const EdgeNode::Entry& e : edge.inwards)
+    if (e.node != edge.node &&
+        (best == nullptr || std::abs(e.coefficient) > std::abs(best->coefficient)))
+      best = &e;
+  if (best == nullptr)
+    throw InputError("nothing lies across the side at node " + std::to_string(edge.node));
+  return *best;
+}
+
+/// direction · Σ c_k r_k stays what it is at first, solved for the nearest node inside and there
+/// for the component that `direction` has most of.
+Tie hold_derivative(const EdgeNode& edge, const Vec3& direction, const NodeVectors& initial) {
+  const EdgeNode::Entry& inside = nearest_inside(edge);
+  Index largest = 0;
+  direction.cwiseAbs().maxCoeff(&largest);
+  const double pivot = inside.coefficient * direction[largest];
+  Tie tie;
+  tie.freedom = {inside.node, static_cast<int>(largest)};
+  for (const auto& [node, coefficient] : edge.inwards)
+    for (int c = 0; c < 3; ++c) {
+      const Freedom freedom{node, c};
+      if (direction[c] == 0 || freedom == tie.freedom) continue;
+      tie.parts.push_back({freedom, -coefficient * direction[c] / pivot});
+    }
+  tie.offset = direction.dot(derivative(edge.inwards, initial)) / pivot;
+  return tie;
+}
+
+/// Holds sides where they are at first, and the surface's direction across them.
+class Clamp final : public Constraint {
+ public:
+  Clamp(const Parameters& p, const Setup& setup)
+      : nodes_(setup.select(p.where)), initial_(setup.surface().initial()) {
+    for (const Side& side : select_sides(p.where, setup))
+      for (const EdgeNode& edge : side.nodes) {
+        if (p.tangent == "full") {
+          for (int c = 0; c < 3; ++c)
+            ties_.push_back(hold_derivative(edge, Vec3::Unit(c), initial_));
+        } else {
+          ties_.push_back(hold_derivative(edge, initial_normal(edge), initial_));
+        }
+      }
+  }
+
+  void reduce(Reduction& reduction) const override {
+    for (const Index node : nodes_)
+      for (int c = 0; c < 3; ++c) reduction.prescribe(node, c);
+    for (const Tie& tie : ties_) reduction.tie(tie);
+  }
+  void prescribe(double /*time*/, NodeVectors& r) const override {
+    for (const Index node : nodes_) r.row(node) = initial_.row(node);
+  }
+
+ private:
+  [[nodiscard]] Vec3 initial_normal(const EdgeNode& edge) const {
+    const Vec3 across = derivative(edge.inwards, initial_),
+               along = derivative(edge.along, initial_);
+    const Vec3 area = across.cross(along);
+    if (!(area.norm() > kAlongAnAxis * across.norm() * along.norm()))
+      throw InputError("the initial surface has no normal at node " + std::to_string(edge.node) +
+                       ", which is to be clamped");
+    Vec3 n = area.normalized();
+    for (int c = 0; c < 3; ++c)
+      if (std::abs(n[c]) <= kAlongAnAxis) n[c] = 0;
+    return n;
+  }
+
+  std::vector<Index> nodes_;
+  NodeVectors initial_;  // (N × 3) [m]
+  std::vector<Tie> ties_;
+};
+
+}  // namespace
+
+DEFORM_PLUGIN(Clamp, Parameters, .name = "clamp", .version = "1.0",
+              .summary = "holds sides at their initial positions, and the direction across them",
+              .formula =
+                  "r_a(t) = r_a(0); ⟨n, Σ c_k r_k⟩ = its initial value, n: initial normal, "
+                  "Σ c_k r_k: derivative across the side",
+              .source = "")
