@@ -87,7 +87,7 @@ void JetTerm::tangent(const SampleBlock& block, Tangent kind, const JetTangent& 
   for (Index s = 0; s < size; ++s) {
     JetMatrix& m = hessian[static_cast<std::size_t>(s)];
     m = (0.5 * (m + m.transpose())).eval();
-    if (kind != Tangent::exact) m = positive_part(m);
+    if (is_semidefinite(kind)) m = positive_part(m);
     for (int i = 0; i < kJet; ++i)
       for (int j = i; j < kJet; ++j)
         h.add(s, static_cast<Derivative>(i + 1), static_cast<Derivative>(j + 1),
@@ -134,7 +134,7 @@ void TupleTerm::tangent(const TupleBlock& block, Tangent kind, Values h) const {
       x = known;
     }
     m = (0.5 * (m + m.transpose())).eval();
-    if (kind != Tangent::exact) m = positive_part(m);
+    if (is_semidefinite(kind)) m = positive_part(m);
     for (Index i = 0; i < n; ++i)
       for (Index j = 0; j < n; ++j) h[static_cast<std::size_t>((t * n + i) * n + j)] += m(i, j);
   }

@@ -36,6 +36,13 @@ Eigen::Matrix2d metric_stress(const Vec3& S) {
   return k;
 }
 
+/// G − G⁰ as it was foreseen at the lagged state: δG_ij = r_i·δr_j + r_j·δr_i without δr_i·δr_j.
+Vec3 foreseen_change(const SampleBlock& block, Index s) {
+  const Vec3 d_1 = block.now.r(Derivative::d1)[s] - block.lagged.r(Derivative::d1)[s];
+  const Vec3 d_2 = block.now.r(Derivative::d2)[s] - block.lagged.r(Derivative::d2)[s];
+  return change(block, Form::metric, s) - Vec3(d_1.dot(d_1), d_1.dot(d_2), d_2.dot(d_2));
+}
+
 void add_metric_tangent(const SampleBlock& block, Index s, const Matrix3d& C, Tangent kind,
                         const JetTangent& h) {
   const std::array<Vec3, 2> r{block.now.r(Derivative::d1)[s], block.now.r(Derivative::d2)[s]};
@@ -44,7 +51,9 @@ void add_metric_tangent(const SampleBlock& block, Index s, const Matrix3d& C, Ta
   g[0] << 2 * r[0], r[1], Vec3::Zero();
   g[1] << Vec3::Zero(), r[0], 2 * r[1];
   Eigen::Matrix2d k = Eigen::Matrix2d::Zero();
-  if (kind != Tangent::gauss_newton) k = metric_stress(C * change(block, Form::metric, s));
+  if (kind != Tangent::gauss_newton)
+    k = metric_stress(C * (kind == Tangent::foreseen ? foreseen_change(block, s)
+                                                     : change(block, Form::metric, s)));
   if (kind == Tangent::projected) k = positive_part(k);
   for (const int m : {1, 2})
     for (int n = m; n <= 2; ++n) {
@@ -66,7 +75,7 @@ void add_curvature_tangent(const SampleBlock& block, Index s, const Matrix3d& C,
     for (int k = m; k < kJet; ++k) h.add(s, derivative(m), derivative(k), rows(m, k) * nn);
   // What else is in the Hessian is small beside the above where the surface is not crumpled, and
   // has as many negative as positive eigenvalues: the projected tangent leaves it out.
-  if (kind != Tangent::exact) return;
+  if (is_semidefinite(kind)) return;
   add_curvature_hessian(block.now, s, L, C * change(block, Form::curvature, s), h);
 }
 

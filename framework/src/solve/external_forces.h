@@ -15,6 +15,7 @@ class ExternalForces {
   ExternalForces(const ModelParts& parts);
 
   [[nodiscard]] bool needs_normals() const { return needs_normals_; }
+  [[nodiscard]] bool needs_neighbours() const { return needs_neighbours_; }
   [[nodiscard]] const std::vector<Named<ForceField>>& fields() const { return forces_; }
 
   // Each of these is of all fields, or of the `only` one.

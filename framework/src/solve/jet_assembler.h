@@ -1,6 +1,7 @@
 /// Evaluates the terms on one sample set and gathers their forces and lagged operator.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "deform/geometry/geometry.h"
@@ -49,6 +50,10 @@ class JetAssembler {
   /// Calls visit(a, b) for every entry that the lagged operator may have.
   template <class Visit>
   void visit_pattern(const Visit& visit) const;
+  /// Calls visit(a, b) for every node b that the force on node a depends on, however indirectly;
+  /// some more than once.
+  template <class Visit>
+  void visit_dependence(const Visit& visit) const;
   /// Remembers where in a matrix of that pattern the entries are.
   void bind(const SparseMatrix& pattern);
   /// K += Σ L k D of the last evaluation.
@@ -108,6 +113,24 @@ void JetAssembler::visit_pattern(const Visit& visit) const {
           }
     }
   }
+}
+
+template <class Visit>
+void JetAssembler::visit_dependence(const Visit& visit) const {
+  const FieldDifferences* differences =
+      std::ranges::any_of(terms_, [](const Term& t) { return t.traits.strong_form; })
+          ? samples_->field_differences()
+          : nullptr;
+  for (Index a = 0; a < gather_.nodes(); ++a)
+    for (const std::int32_t s : gather_.row(a).samples) {
+      const auto visit_sample = [&](Index sample) {
+        for (const std::int32_t b : samples_->stencil(sample).nodes) visit(a, Index{b});
+      };
+      visit_sample(s);
+      for (int d = 1; differences != nullptr && d < kDerivatives; ++d)
+        for (const FieldDifferences::Term& term : differences->row(static_cast<Derivative>(d), s))
+          visit_sample(term.sample);
+    }
 }
 
 }  // namespace deform

@@ -63,8 +63,10 @@ void System::Impl::make_sets() {
       if (const auto jet = std::dynamic_pointer_cast<const JetTerm>(parts.energies[t].object))
         if (&parts.surface->samples(role_of(t, *jet)) == set)
           terms.push_back({t, parts.energies[t].origin, jet, traits[t]});
-    sets.push_back(
-        {JetAssembler(*set, std::move(terms)), Geometry(*set), {Geometry(*set), Geometry(*set)}});
+    sets.push_back({JetAssembler(*set, std::move(terms)),
+                    Geometry(*set),
+                    {Geometry(*set), Geometry(*set)},
+                    {}});
   }
 }
 
@@ -148,6 +150,8 @@ const NodeVectors& System::force() const { return impl_->force; }
 const NodeValues& System::force_damping() const { return impl_->force_damping; }
 const SparseMatrix& System::lagged_operator() const { return impl_->k; }
 StepTimes& System::times() { return impl_->times; }
+StepReport& System::step_report() { return impl_->report; }
+const StepReport& System::step_report() const { return impl_->report; }
 const std::string& System::solver_choice() const {
   return impl_->solver ? impl_->solver->choice() : impl_->no_solver;
 }
@@ -165,6 +169,7 @@ std::vector<std::string> System::notes() const {
 void System::begin_step(const State& state) {
   impl_->update_geometry(state.r);
   impl_->held = impl_->current;
+  impl_->report = {};
 }
 void System::update_geometry(const State& state) { impl_->update_geometry(state.r); }
 const Geometry& System::geometry(const SampleSet& samples) const {

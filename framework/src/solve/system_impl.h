@@ -8,6 +8,7 @@
 
 #include "deform/solve/system.h"
 
+#include "solve/coloured_jacobian.h"
 #include "solve/contacts.h"
 #include "solve/external_forces.h"
 #include "solve/jet_assembler.h"
@@ -23,6 +24,7 @@ struct SetPart {
   JetAssembler assembler;
   Geometry rest;
   std::array<Geometry, 2> geometry;  // one of a step's start, one of any other state
+  Geometry before;                   // a Newton step earlier; made when first needed
 };
 
 struct System::Impl {
@@ -35,6 +37,7 @@ struct System::Impl {
   void make_pattern();
   void make_tangent_pattern();
   void make_tangent_solver();
+  [[nodiscard]] std::vector<std::vector<std::int32_t>> dependence() const;
   [[nodiscard]] SetPart& set_of(const SampleSet& samples);
   [[nodiscard]] Geometries geometries(SetPart& set) {
     return {set.geometry[current], set.geometry[current], set.rest};
@@ -70,6 +73,8 @@ struct System::Impl {
   std::vector<TangentAssembler> tangents;  // of each set; made when first asked for
   std::optional<TangentSolver> tangent_solver;
   std::vector<Freedom> held_freedoms;
+  std::optional<ColouredJacobian> jacobian;
+  StepReport report;
   StepTimes times;
 };
 

@@ -44,14 +44,22 @@ void System::Impl::make_tangent_solver() {
 
 const BlockMatrix& System::tangent() const { return impl_->tangent; }
 
-void System::evaluate_with_tangent(const State& state, Tangent kind) {
+void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before) {
   evaluate(state);
   const Stopwatch watch(impl_->times.assembly);
   if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
   BlockMatrix& k = impl_->tangent;
   std::ranges::fill(k.value, 0.0);
   for (std::size_t i = 0; i < impl_->sets.size(); ++i) {
-    impl_->tangents[i].evaluate(impl_->geometries(impl_->sets[i]), kind);
+    SetPart& set = impl_->sets[i];
+    Geometries geometries = impl_->geometries(set);
+    if (kind == Tangent::foreseen && before != nullptr) {
+      if (set.before.size() == 0) set.before = Geometry(set.assembler.samples());
+      set.before.compute(set.assembler.samples(), *before);
+      impl_->tangents[i].evaluate({geometries.now, set.before, geometries.rest}, kind);
+    } else {
+      impl_->tangents[i].evaluate(geometries, kind);
+    }
     impl_->tangents[i].add(k);
   }
   for (TupleAssembler& t : impl_->tuples) t.add_tangent(state.r, kind, k);
@@ -120,14 +128,70 @@ System::Stability System::stability() {
                                     : impl_->tangent_solver->expanded(lowest.vector)};
 }
 
-Index System::hold_rigid_motions(const NodeVectors& r) {
-  if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
-  impl_->held_freedoms = components_to_hold(*impl_->map, r);
+std::vector<Freedom> System::hold_rigid_motions(const NodeVectors& r) {
+  std::vector<Freedom> held = components_to_hold(*impl_->map, r);
+  if (held == impl_->held_freedoms) return held;
+  impl_->held_freedoms = held;
   impl_->tangent_solver.reset();
-  impl_->make_tangent_solver();
-  return static_cast<Index>(impl_->held_freedoms.size());
+  impl_->jacobian.reset();
+  return held;
 }
 
+void System::evaluate_with_jacobian(const State& state) {
+  evaluate(state);
+  const Stopwatch watch(impl_->times.assembly);
+  if (!impl_->jacobian)
+    impl_->jacobian.emplace(*impl_->map, impl_->dependence(), impl_->held_freedoms,
+                            impl_->parts.make_solvers);
+  const NodeVectors known = impl_->force;
+  State moved = state;
+  impl_->jacobian->differentiate(state.r, [&](const NodeVectors& r) -> const NodeVectors& {
+    moved.r = r;
+    evaluate(moved);
+    return impl_->force;
+  });
+  impl_->force = known;
+}
+
+std::string System::factor_jacobian(const NodeValues& d) {
+  const Stopwatch watch(impl_->times.factorisation);
+  return impl_->jacobian->factor(d);
+}
+
+void System::solve_jacobian(const NodeVectors& b, NodeVectors& x) {
+  require_finite(b, "the right-hand side", "the integrator", "");
+  const Stopwatch watch(impl_->times.solve);
+  impl_->jacobian->solve(b, x);
+}
+
+/// Node by node, those whose positions its force depends on.
+std::vector<std::vector<std::int32_t>> System::Impl::dependence() const {
+  std::vector<std::vector<std::int32_t>> on(static_cast<std::size_t>(parts.surface->nodes()));
+  const auto add = [&](Index a, Index b) {
+    on[static_cast<std::size_t>(a)].push_back(static_cast<std::int32_t>(b));
+  };
+  const auto add_both = [&](Index a, Index b) { add(a, b), add(b, a); };
+  for (const SetPart& set : sets) set.assembler.visit_dependence(add);
+  for (const TupleAssembler& t : tuples) t.visit_pattern(add);
+  external.visit_pattern(add_both);
+  if (external.needs_neighbours()) {  // forces on faces
+    const Faces& faces = parts.surface->faces();
+    for (Index f = 0; f < faces.size(); ++f)
+      for (std::int32_t i = faces.begin[static_cast<std::size_t>(f)];
+           i < faces.begin[static_cast<std::size_t>(f) + 1]; ++i)
+        for (std::int32_t j = faces.begin[static_cast<std::size_t>(f)];
+             j < faces.begin[static_cast<std::size_t>(f) + 1]; ++j)
+          add(faces.nodes[static_cast<std::size_t>(i)], faces.nodes[static_cast<std::size_t>(j)]);
+  }
+  for (std::size_t a = 0; a < on.size(); ++a) {
+    on[a].push_back(static_cast<std::int32_t>(a));
+    std::ranges::sort(on[a]);
+    on[a].erase(std::unique(on[a].begin(), on[a].end()), on[a].end());
+  }
+  return on;
+}
+
+void System::follow_ties(NodeVectors& r) const { impl_->map->complete_positions(r); }
 void System::reduce_force(NodeVectors& f) const { impl_->map->transpose(f); }
 
 }  // namespace deform

@@ -16,7 +16,18 @@ enum class Tangent : std::uint8_t {
   exact,         ///< the Hessian; indefinite where the surface is compressed
   projected,     ///< Gauss–Newton and what else is positive semidefinite at each sample
   gauss_newton,  ///< δG and δB are taken as linear in δr: positive semidefinite, and coarser
+  /// The Hessian with the stress that the last Newton step foresaw, C (T + δT) at the state before
+  /// it, in place of the stress now, which a long step's rotation has spoiled by stretching the
+  /// surface; where there is no such step, or a term knows no such stress, the exact one. Newton's
+  /// method then takes long steps, and still converges quadratically (the mixed integration points
+  /// of Magisano, Leonetti & Garcea 2017).
+  foreseen,
 };
+
+/// Whether a tangent was asked to be positive semidefinite.
+[[nodiscard]] constexpr bool is_semidefinite(Tangent kind) {
+  return kind == Tangent::projected || kind == Tangent::gauss_newton;
+}
 
 /// The derivatives D_1 … D_22 that make a jet.
 inline constexpr int kJet = 5;

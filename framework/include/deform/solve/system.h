@@ -61,6 +61,14 @@ struct ModelParts {
   bool mirrored = false;
 };
 
+/// What an iterative integrator's last step took; for logs and probes.
+struct StepReport {
+  long iterations = 0;            ///< of Newton's method, all substeps together
+  long substeps = 1;              ///< of time or of load
+  double residual = 0;            ///< of the last iteration, relative to the forces at work
+  std::vector<double> residuals;  ///< one an iteration of the last substep
+};
+
 /// Seconds spent, by part of a step.
 struct StepTimes {
   double geometry = 0, assembly = 0, factorisation = 0, solve = 0, output = 0;
@@ -98,8 +106,9 @@ class DEFORM_API System {
   void evaluate(const State& state);
   /// The same, and the lagged operator K with f(r) = c − K r at this state.
   void evaluate_with_operator(const State& state);
-  /// Evaluates all forces at a state, and the tangent.
-  void evaluate_with_tangent(const State& state, Tangent kind);
+  /// Evaluates all forces at a state, and the tangent; `before`: positions before the last Newton
+  /// step, for Tangent::foreseen.
+  void evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before = nullptr);
   /// Energy of all terms and potential energy of all force fields at a state [J].
   [[nodiscard]] double potential(const State& state);
   /// What has a part in the force but not in `potential`, and what has none in the tangent (or one
@@ -139,10 +148,20 @@ class DEFORM_API System {
     NodeVectors mode;
   };
   [[nodiscard]] Stability stability();
-  /// Tells `factor_tangent` to hold as many components as it takes for a surface that its
-  /// constraints do not hold in space (statics, where inertia does not either). Returns how many.
-  Index hold_rigid_motions(const NodeVectors& r);
+  /// Tells `factor_tangent` and `factor_jacobian` to hold as many components as it takes for a
+  /// surface at r that its constraints do not hold in space (statics, where inertia does not
+  /// either). Returns them.
+  std::vector<Freedom> hold_rigid_motions(const NodeVectors& r);
 
+  /// Evaluates all forces, and −∂f/∂r of all of them by coloured differences: for what has no
+  /// tangent. Unsymmetric; lagged coefficients move with the state.
+  void evaluate_with_jacobian(const State& state);
+  /// As factor_tangent and solve_tangent, with that matrix; "" or why it cannot be factorised.
+  [[nodiscard]] std::string factor_jacobian(const NodeValues& d);
+  void solve_jacobian(const NodeVectors& b, NodeVectors& x);
+
+  /// Writes the components of positions that are tied to others.
+  void follow_ties(NodeVectors& r) const;
   /// Tᵀf in place (N × 3): what acts on free components, that on tied ones included.
   void reduce_force(NodeVectors& f) const;
   /// Writes the prescribed components [m] at a time, and those that are tied to others; leaves
@@ -183,6 +202,9 @@ class DEFORM_API System {
   [[nodiscard]] std::string largest_force_at(Index node, const State& state);
 
   [[nodiscard]] StepTimes& times();
+  /// Emptied by begin_step; integrators write it.
+  [[nodiscard]] StepReport& step_report();
+  [[nodiscard]] const StepReport& step_report() const;
   /// What a log should say of the model: which terms leave their force to a numerical derivative.
   [[nodiscard]] std::vector<std::string> notes() const;
   /// Why the solver in use is the one in use.

@@ -1,0 +1,141 @@
+#include "solve/coloured_jacobian.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "solve/not_finite.h"
+#include "solve/pattern.h"
+
+namespace deform {
+namespace {
+
+/// Of the surface's size: central differences of forces balance rounding and truncation there.
+constexpr double kRelativeStep = 1e-6;
+
+}  // namespace
+
+ColouredJacobian::ColouredJacobian(const ReductionMap& map,
+                                   const std::vector<std::vector<std::int32_t>>& dependence,
+                                   const std::vector<Freedom>& held,
+                                   SolverQueue::MakeSolvers make_solvers)
+    : map_(&map), make_solvers_(std::move(make_solvers)) {
+  const Index nodes = map.reduction().nodes();
+  number_.assign(static_cast<std::size_t>(3 * nodes), -1);
+  for (Index a = 0; a < nodes; ++a)
+    for (int c = 0; c < 3; ++c) {
+      const Freedom freedom{a, c};
+      if (!map.reduction().free(a, c) || std::ranges::find(held, freedom) != held.end()) continue;
+      number_[static_cast<std::size_t>(3 * a + c)] = static_cast<Index>(freedom_of_.size());
+      freedom_of_.push_back(freedom);
+    }
+  make_pattern(dependence);
+  make_colours();
+  const auto unknowns = static_cast<Index>(freedom_of_.size());
+  rhs_.resize(unknowns, 1);
+  solution_.resize(unknowns, 1);
+}
+
+/// Row p, column q where the reduced force on p depends on q, through ties on either side; made
+/// symmetric, as solvers want it.
+void ColouredJacobian::make_pattern(const std::vector<std::vector<std::int32_t>>& dependence) {
+  const auto unknowns_of = [&](Index node) {
+    std::vector<Index> unknowns;
+    for (int c = 0; c < 3; ++c)
+      for (const Tie::Part& part : map_->row({node, c}))
+        if (const Index q = number(part.of); q >= 0) unknowns.push_back(q);
+    return unknowns;
+  };
+  std::vector<std::vector<Index>> of_node;
+  for (std::size_t a = 0; a < dependence.size(); ++a)
+    of_node.push_back(unknowns_of(static_cast<Index>(a)));
+  PatternBuilder pattern(static_cast<Index>(freedom_of_.size()));
+  for (std::size_t a = 0; a < dependence.size(); ++a)
+    for (const std::int32_t b : dependence[a])
+      for (const Index p : of_node[a])
+        for (const Index q : of_node[static_cast<std::size_t>(b)]) pattern.add(p, q);
+  jacobian_ = pattern.build();
+}
+
+/// Greedily: unknowns of one colour have no row in common.
+void ColouredJacobian::make_colours() {
+  const auto unknowns = static_cast<std::size_t>(jacobian_.size);
+  std::vector<std::vector<char>> taken;  // rows, a colour
+  for (std::size_t q = 0; q < unknowns; ++q) {
+    const auto begin = jacobian_.column.begin() + jacobian_.row_begin[q];
+    const auto end = jacobian_.column.begin() + jacobian_.row_begin[q + 1];
+    std::size_t colour = 0;
+    const auto clashes = [&] {
+      return std::any_of(
+          begin, end, [&](std::int32_t p) { return taken[colour][static_cast<std::size_t>(p)]; });
+    };
+    while (colour < taken.size() && clashes()) ++colour;
+    if (colour == taken.size()) {
+      taken.emplace_back(unknowns, 0);
+      colours_.emplace_back();
+    }
+    colours_[colour].push_back(static_cast<Index>(q));
+    for (auto p = begin; p != end; ++p) taken[colour][static_cast<std::size_t>(*p)] = 1;
+  }
+}
+
+void ColouredJacobian::differentiate(const NodeVectors& r, const ForceAt& force_at) {
+  const double step = kRelativeStep * (r.colwise().maxCoeff() - r.colwise().minCoeff()).maxCoeff();
+  std::ranges::fill(jacobian_.value, 0.0);
+  NodeVectors direction(r.rows(), 3), change(r.rows(), 3);
+  for (const std::vector<Index>& colour : colours_) {
+    direction.setZero();
+    for (const Index q : colour) {
+      const Freedom& f = freedom_of_[static_cast<std::size_t>(q)];
+      direction(f.node, f.component) = step;
+    }
+    map_->complete_changes(direction);
+    change = force_at(r - direction);
+    change -= force_at(r + direction);
+    change /= 2 * step;
+    map_->transpose(change);
+    for (const Index q : colour)
+      for (std::int32_t k = jacobian_.row_begin[static_cast<std::size_t>(q)];
+           k < jacobian_.row_begin[static_cast<std::size_t>(q) + 1]; ++k) {
+        const std::int32_t p = jacobian_.column[static_cast<std::size_t>(k)];
+        const auto begin =
+            jacobian_.column.begin() + jacobian_.row_begin[static_cast<std::size_t>(p)];
+        const auto end =
+            jacobian_.column.begin() + jacobian_.row_begin[static_cast<std::size_t>(p) + 1];
+        const auto place =
+            std::lower_bound(begin, end, static_cast<std::int32_t>(q)) - jacobian_.column.begin();
+        const Freedom& f = freedom_of_[static_cast<std::size_t>(p)];
+        jacobian_.value[static_cast<std::size_t>(place)] = change(f.node, f.component);
+      }
+  }
+}
+
+std::string ColouredJacobian::factor(const NodeValues& d) {
+  if (!solvers_)
+    solvers_.emplace(make_solvers_, MatrixTraits{.size = jacobian_.size, .symmetric = false});
+  shifted_ = jacobian_;
+  for (std::size_t q = 0; q < freedom_of_.size(); ++q) {
+    const auto begin = shifted_.column.begin() + shifted_.row_begin[q];
+    const auto end = shifted_.column.begin() + shifted_.row_begin[q + 1];
+    const auto place =
+        std::lower_bound(begin, end, static_cast<std::int32_t>(q)) - shifted_.column.begin();
+    shifted_.value[static_cast<std::size_t>(place)] += d[freedom_of_[q].node];
+  }
+  return solvers_->factor(shifted_);
+}
+
+void ColouredJacobian::solve(const NodeVectors& b, NodeVectors& x) {
+  residual_ = b;
+  map_->transpose(residual_);
+  for (std::size_t q = 0; q < freedom_of_.size(); ++q)
+    rhs_(static_cast<Index>(q), 0) = residual_(freedom_of_[q].node, freedom_of_[q].component);
+  solvers_->solve(rhs_, solution_);
+  if (const Index q = first_not_finite(solution_); q >= 0 && rhs_.allFinite())
+    throw NotFinite("the solution of " + solvers_->in_use().origin + " is not finite",
+                    freedom_of_[static_cast<std::size_t>(q)].node, solvers_->in_use().name);
+  x.setZero(b.rows(), 3);
+  for (std::size_t q = 0; q < freedom_of_.size(); ++q)
+    x(freedom_of_[q].node, freedom_of_[q].component) = solution_(static_cast<Index>(q), 0);
+  map_->complete_changes(x);
+}
+
+}  // namespace deform

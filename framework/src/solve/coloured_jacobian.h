@@ -1,0 +1,50 @@
+/// The derivative of the force by differences, many columns at a time.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "deform/model/reduction.h"
+#include "deform/solve/sparse_matrix.h"
+#include "deform/solve/system.h"
+
+#include "solve/solver_queue.h"
+
+namespace deform {
+
+/// −∂(Tᵀf)/∂q: unknowns whose columns share no row are moved together (Curtis, Powell & Reid 1974).
+class ColouredJacobian {
+ public:
+  /// `dependence`: node by node, those whose positions its force depends on, ascending.
+  ColouredJacobian(const ReductionMap& map,
+                   const std::vector<std::vector<std::int32_t>>& dependence,
+                   const std::vector<Freedom>& held, SolverQueue::MakeSolvers make_solvers);
+
+  using ForceAt = std::function<const NodeVectors&(const NodeVectors& r)>;
+  void differentiate(const NodeVectors& r, const ForceAt& force_at);
+  /// With d (N) added to the diagonal; "" or why it cannot be factorised.
+  [[nodiscard]] std::string factor(const NodeValues& d);
+  void solve(const NodeVectors& b, NodeVectors& x);
+
+ private:
+  void make_pattern(const std::vector<std::vector<std::int32_t>>& dependence);
+  void make_colours();
+  [[nodiscard]] Index number(const Freedom& f) const {
+    return number_[static_cast<std::size_t>(3 * f.node + f.component)];
+  }
+
+  const ReductionMap* map_;
+  SolverQueue::MakeSolvers make_solvers_;
+  std::vector<Freedom> freedom_of_;
+  std::vector<Index> number_;  // of each degree of freedom among the unknowns, or −1
+  SparseMatrix jacobian_;
+  SparseMatrix shifted_;
+  std::vector<std::vector<Index>> colours_;  // unknowns
+  std::optional<SolverQueue> solvers_;
+  NodeVectors residual_;
+  Eigen::MatrixXd rhs_, solution_;
+};
+
+}  // namespace deform

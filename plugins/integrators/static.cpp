@@ -1,0 +1,380 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <deform/log.h>
+#include <deform/solve/integrator.h>
+
+namespace {
+using namespace deform;
+
+struct Parameters {
+  double tolerance = 1e-9;
+  std::int64_t iterations = 50;
+  std::int64_t load_steps = 1;
+  bool linear = false;
+  static void declare(Declaration<Parameters>& d) {
+    d("tolerance", &Parameters::tolerance, "1",
+      "of the force that is left over, relative to the forces at work")
+        .above(0);
+    d("iterations", &Parameters::iterations, "", "of Newton's method in a load step, at most")
+        .at_least(1);
+    d("load_steps", &Parameters::load_steps, "",
+      "parts that a step's load is applied in at first; halved where Newton's method fails")
+        .at_least(1);
+    d("linear", &Parameters::linear, "",
+      "linear statics: one step with the exact tangent of the state at the step's beginning");
+  }
+};
+
+/// A load step is halved this often before the state is given up.
+constexpr int kMostHalvings = 10;
+/// A line search halves its step this often.
+constexpr int kMostCuts = 24;
+/// Newton steps without line search before that is tried.
+constexpr int kMostLongSteps = 25;
+/// Forces that cancel to this part of what they are made of cannot cancel further by a step that
+/// moves nothing.
+constexpr double kRoundingOfForces = 1e-6, kRoundingOfPositions = 1e-13;
+
+/// What Newton's method ends with.
+struct Outcome {
+  bool converged = false;
+  std::string reason;
+};
+
+/// Equilibrium f(r) = 0 at the end of each step, by Newton's method with line search. A step's load
+/// grows from nothing to all: with f0 the force at its beginning, f(r) = (1 − λ) f0 is solved for λ
+/// from 0 to 1, prescribed components moving along. Where all has a potential Π, what decreases is
+/// Π + (1 − λ) f0·r, whose stationary points these are, and the tangent is the exact one, or the
+/// projected one where that is indefinite; else it is |f − (1 − λ) f0|, with the derivative of the
+/// force by differences.
+class Static final : public Integrator {
+ public:
+  Static(const Parameters& p, const Setup& /*setup*/) : parameters_(p) {}
+
+  void advance(System& system, State& state, double step) override {
+    begin(system, state, step);
+    if (parameters_.linear) {
+      solve_linear(system, state);
+    } else {
+      double done = 0, part = 1 / static_cast<double>(parameters_.load_steps);
+      int halvings = 0;
+      system.step_report().substeps = 0;
+      while (done < 1) {
+        const double next = done + part > 1 - 1e-9 ? 1 : done + part;
+        State trial = state;
+        const Outcome outcome = find_equilibrium(system, trial, next);
+        ++system.step_report().substeps;
+        if (outcome.converged) {
+          state = trial;
+          done = next;
+          part = std::min(2 * part, 1 / static_cast<double>(parameters_.load_steps));
+          continue;
+        }
+        if (++halvings > kMostHalvings) give_up(system, state, done, outcome.reason);
+        log::debug("static: " + outcome.reason + "; half the load step");
+        part /= 2;
+      }
+      report_stability(system, state);
+    }
+    state.v.setZero();
+    state.time = end_;
+  }
+
+ private:
+  void begin(System& system, const State& state, double step) {
+    has_potential_ = system.without_potential().empty() && system.without_tangent().empty();
+    if (!has_potential_ && !parameters_.linear) say_once_what_has_no_potential(system);
+    held_ = system.hold_rigid_motions(state.r);
+    zero_ = NodeValues::Zero(system.nodes());
+    end_ = state.time + step;
+    start_ = state.r;
+    target_ = state.r;
+    system.prescribe(end_, target_);
+    State loaded = state;
+    loaded.time = end_;
+    system.evaluate(loaded);
+    first_force_ = system.force();
+    size_ = (start_.colwise().maxCoeff() - start_.colwise().minCoeff()).maxCoeff();
+  }
+
+  void say_once_what_has_no_potential(const System& system) {
+    if (said_) return;
+    said_ = true;
+    std::string names;
+    for (const auto& list : {system.without_potential(), system.without_tangent()})
+      for (const std::string& name : list)
+        if (names.find(name) == std::string::npos) names += (names.empty() ? "" : ", ") + name;
+    log::info("static: no potential and tangent of " + names +
+              ": Newton's method goes by differences of the force");
+  }
+
+  /// Prescribed components where they are at a part of the load, what is tied behind them.
+  void place_prescribed(const System& system, State& state, double lambda) const {
+    for (int c = 0; c < 3; ++c)
+      for (Index a = 0; a < start_.rows(); ++a)
+        if (system.reduction().prescribed(a, c))
+          state.r(a, c) = start_(a, c) + lambda * (target_(a, c) - start_(a, c));
+    system.follow_ties(state.r);
+  }
+
+  [[nodiscard]] double merit(System& system, const State& state, double lambda) {
+    if (has_potential_)
+      return system.potential(state) + (1 - lambda) * first_force_.cwiseProduct(state.r).sum();
+    system.evaluate(state);
+    return residual_norm(system, lambda);
+  }
+
+  /// Tᵀ(f − (1 − λ) f0) of the last evaluation, without what is held. The forces at work are the
+  /// load and, at the same state, what constraints must hold against.
+  [[nodiscard]] double residual_norm(const System& system, double lambda) {
+    residual_ = system.force() - (1 - lambda) * first_force_;
+    scale_ = std::max(first_force_.norm(), residual_.norm());
+    system.reduce_force(residual_);
+    for (const Freedom& f : held_) residual_(f.node, f.component) = 0;
+    return residual_.norm();
+  }
+
+  /// Whether a direction was found, with the largest eigenvalue-free means that work.
+  [[nodiscard]] std::string find_direction(System& system, const State& state) {
+    if (!has_potential_) {
+      system.evaluate_with_jacobian(state);
+      const std::string reason = system.factor_jacobian(zero_);
+      if (!reason.empty()) return reason;
+      system.solve_jacobian(residual_, direction_);
+      return "";
+    }
+    std::string reason = system.factor_tangent(zero_);
+    if (!reason.empty()) {
+      system.evaluate_with_tangent(state, Tangent::projected);
+      reason = factor_with_shift(system);
+    }
+    if (!reason.empty()) return reason;
+    system.solve_tangent(residual_, direction_);
+    return "";
+  }
+
+  /// The projected tangent may be singular (a flat sheet without tension does not resist bending
+  /// in it): the least multiple of the mean stiffness that cures it is added.
+  [[nodiscard]] std::string factor_with_shift(System& system) const {
+    const BlockMatrix& k = system.tangent();
+    double mean = 0;
+    for (Index a = 0; a < k.nodes; ++a) {
+      const double* block = k.value.data() + 9 * Index{k.row_begin[static_cast<std::size_t>(a)]};
+      mean += (block[0] + block[4] + block[8]) / (3 * static_cast<double>(k.nodes));
+    }
+    std::string reason = system.factor_tangent(zero_);
+    for (double shift = 1e-10; !reason.empty() && shift < 1e-1; shift *= 10)
+      reason = system.factor_tangent(NodeValues::Constant(k.nodes, shift * mean));
+    return reason;
+  }
+
+  /// By long steps first; where these lead nowhere, by such as lower the potential.
+  [[nodiscard]] Outcome find_equilibrium(System& system, State& state, double lambda) {
+    State bold = state;
+    if (go_by_long_steps(system, bold, lambda)) {
+      state = bold;
+      return accept(system);
+    }
+    return solve(system, state, lambda);
+  }
+
+  /// Newton's method without line search, with the stress that the last step foresaw in its
+  /// tangent, if there is one. Gives up when it goes astray.
+  [[nodiscard]] bool go_by_long_steps(System& system, State& state, double lambda) {
+    state.time = end_;
+    place_prescribed(system, state, lambda);
+    StepReport& report = system.step_report();
+    report.residuals.clear();
+    NodeVectors before = state.r;
+    double last_move = kInfinity;
+    for (int i = 0; i <= kMostLongSteps; ++i) {
+      if (has_potential_) {
+        system.evaluate_with_tangent(state, Tangent::foreseen, i == 0 ? nullptr : &before);
+      } else {
+        system.evaluate(state);
+      }
+      const double norm = residual_norm(system, lambda);
+      report.residual = scale_ > 0 ? norm / scale_ : 0;
+      report.residuals.push_back(report.residual);
+      log::debug("static: long step " + std::to_string(i) + ", residual " +
+                 scientific(report.residual));
+      if (report.residual <= parameters_.tolerance) return true;
+      if (last_move <= kRoundingOfPositions * size_) return report.residual <= kRoundingOfForces;
+      if (i == kMostLongSteps || !std::isfinite(norm)) return false;
+      ++report.iterations;
+      if (!find_long_step(system, state)) return false;
+      last_move = direction_.rowwise().norm().maxCoeff();
+      if (!(last_move <= 2 * size_)) return false;
+      before = state.r;
+      state.r += direction_;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool find_long_step(System& system, const State& state) {
+    if (!has_potential_) return find_direction(system, state).empty();
+    if (!system.factor_tangent(zero_).empty()) return false;
+    system.solve_tangent(residual_, direction_);
+    return true;
+  }
+
+  [[nodiscard]] Outcome solve(System& system, State& state, double lambda) {
+    state.time = end_;
+    place_prescribed(system, state, lambda);
+    StepReport& report = system.step_report();
+    report.residuals.clear();
+    double last_move = kInfinity;
+    for (std::int64_t i = 0; i <= parameters_.iterations; ++i) {
+      if (has_potential_) {
+        system.evaluate_with_tangent(state, Tangent::exact);
+      } else {
+        system.evaluate(state);
+      }
+      const double norm = residual_norm(system, lambda);
+      report.residual = scale_ > 0 ? norm / scale_ : 0;
+      report.residuals.push_back(report.residual);
+      log::debug("static: iteration " + std::to_string(i) + ", residual " +
+                 scientific(report.residual));
+      const bool is_still = last_move <= kRoundingOfPositions * size_;
+      if (report.residual <= parameters_.tolerance ||
+          (is_still && report.residual <= kRoundingOfForces))
+        return accept(system);
+      if (i == parameters_.iterations) break;
+      ++report.iterations;
+      const std::string reason = find_direction(system, state);
+      if (!reason.empty()) return {false, "no direction of descent (" + reason + ")"};
+      last_move = search(system, state, lambda, norm);
+      if (last_move == 0) {
+        if (report.residual <= kRoundingOfForces) return accept(system);
+        return {false, "no step along the direction found comes closer to equilibrium"};
+      }
+    }
+    return {false, std::to_string(parameters_.iterations) + " iterations leave a residual of " +
+                       scientific(report.residual)};
+  }
+
+  /// A surface that nothing holds has an equilibrium only if its loads balance.
+  [[nodiscard]] Outcome accept(const System& system) {
+    NodeVectors left = system.force();
+    system.reduce_force(left);
+    for (const Freedom& f : held_)
+      if (std::abs(left(f.node, f.component)) > kRoundingOfForces * scale_)
+        throw Error(ExitCode::diverged,
+                    "nothing holds the surface, and its loads do not balance: " +
+                        std::to_string(held_.size()) +
+                        " motions as a rigid body are free, and a force of " +
+                        scientific(left(f.node, f.component)) + " N is left over in one of them");
+    return {true, ""};
+  }
+
+  /// Goes along the direction as far as it helps; returns how far the farthest node moved [m].
+  double search(System& system, State& state, double lambda, double norm) {
+    const double before = has_potential_ ? merit(system, state, lambda) : norm;
+    const double slope = has_potential_ ? -residual_.cwiseProduct(direction_).sum() : -norm;
+    const double rounding = 1e-14 * std::abs(before);
+    const double longest = direction_.rowwise().norm().maxCoeff();
+    double s = std::min(1.0, size_ / std::max(longest, 1e-300));
+    State trial = state;
+    for (int cut = 0; cut < kMostCuts; ++cut, s /= 2) {
+      trial.r = state.r + s * direction_;
+      const double there = merit(system, trial, lambda);
+      if (std::isfinite(there) && there <= before + 1e-4 * s * slope + rounding) {
+        state.r = trial.r;
+        return s * longest;
+      }
+    }
+    return finish(system, state, trial, lambda, norm) ? longest : 0;
+  }
+
+  /// Close to the end the potential changes by less than its rounding: the residual goes on.
+  bool finish(System& system, State& state, State& trial, double lambda, double norm) {
+    trial.r = state.r + direction_;
+    system.evaluate(trial);
+    if (!(residual_norm(system, lambda) < 0.5 * norm)) return false;
+    state.r = trial.r;
+    return true;
+  }
+
+  /// K Δr = f0 with what moves as it is told on the other side: at first order in it.
+  void solve_linear(System& system, State& state) {
+    NodeVectors moved = target_ - start_;
+    for (int c = 0; c < 3; ++c)
+      for (Index a = 0; a < moved.rows(); ++a)
+        if (!system.reduction().prescribed(a, c)) moved(a, c) = 0;
+    if (has_potential_) {
+      system.evaluate_with_tangent(state, Tangent::exact);
+      NodeVectors product;
+      system.tangent().multiply(moved, product);
+      residual_ = first_force_ - product;
+    } else if (!moved.isZero(0)) {
+      throw InputError(
+          "'linear' with moved constraints takes energies and forces with a potential");
+    } else {
+      system.evaluate(state);
+      residual_ = first_force_;
+    }
+    std::string reason;
+    if (has_potential_) {
+      reason = system.factor_tangent(zero_);
+      if (reason.empty()) system.solve_tangent(residual_, direction_);
+    } else {
+      reason = find_direction(system, state);
+    }
+    if (!reason.empty())
+      throw Error(ExitCode::diverged,
+                  "linear statics has no solution: the tangent at the beginning is not positive "
+                  "definite, or singular (" +
+                      reason + ")");
+    state.r += direction_ + moved;
+    system.step_report().iterations = 1;
+  }
+
+  /// Whether the equilibrium is one that the surface stays at.
+  void report_stability(System& system, const State& state) {
+    if (!has_potential_) return;
+    system.evaluate_with_tangent(state, Tangent::exact);
+    if (system.factor_tangent(zero_).empty()) return;
+    const System::Stability stability = system.stability();
+    if (stability.negative == 0) return;
+    log::warn("static: the equilibrium at " + std::to_string(end_) +
+              " s is not stable: a limit or bifurcation point was passed (" +
+              std::to_string(stability.negative) + " negative eigenvalues of the tangent, lowest " +
+              scientific(stability.lowest) + " /s²)");
+  }
+
+  [[noreturn]] void give_up(System& system, const State& state, double done,
+                            const std::string& reason) {
+    std::string why =
+        "no equilibrium beyond " + std::to_string(100 * done) + " % of the step's load: " + reason;
+    if (has_potential_) {
+      system.evaluate_with_tangent(state, Tangent::exact);
+      const System::Stability stability = system.stability();
+      why += "; the lowest eigenvalue of the tangent there is " + scientific(stability.lowest) +
+             " /s² (near 0: a limit or bifurcation point)";
+    }
+    throw Error(ExitCode::diverged, why);
+  }
+
+  static std::string scientific(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return text;
+  }
+
+  Parameters parameters_;
+  bool has_potential_ = true, said_ = false;
+  double end_ = 0, size_ = 0, scale_ = 0;
+  std::vector<Freedom> held_;
+  NodeValues zero_;
+  NodeVectors start_, target_, first_force_, residual_, direction_;
+};
+
+}  // namespace
+
+DEFORM_PLUGIN(Static, Parameters, .name = "static", .version = "1.0",
+              .summary = "equilibrium at each step's end: Newton's method, line search, load steps",
+              .formula = "f(r) = 0; K Δr = f(r), K = ∂²Π/∂r²",
+              .source = "Nocedal & Wright, Numerical Optimization, chapters 3 and 6")
