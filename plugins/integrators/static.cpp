@@ -37,6 +37,8 @@ constexpr int kMostLongSteps = 25;
 /// Forces that cancel to this part of what they are made of cannot cancel further by a step that
 /// moves nothing.
 constexpr double kRoundingOfForces = 1e-6, kRoundingOfPositions = 1e-13;
+/// Of the residual at a load step's start: what a residual can be measured by at least.
+constexpr double kOfTheStart = 1e-3;
 
 /// What Newton's method ends with.
 struct Outcome {
@@ -53,6 +55,8 @@ struct Outcome {
 class Static final : public Integrator {
  public:
   Static(const Parameters& p, const Setup& /*setup*/) : parameters_(p) {}
+
+  [[nodiscard]] bool is_static() const override { return true; }
 
   void advance(System& system, State& state, double step) override {
     begin(system, state, step);
@@ -97,6 +101,7 @@ class Static final : public Integrator {
     loaded.time = end_;
     system.evaluate(loaded);
     first_force_ = system.force();
+    start_residual_ = 0;
     size_ = (start_.colwise().maxCoeff() - start_.colwise().minCoeff()).maxCoeff();
   }
 
@@ -128,10 +133,11 @@ class Static final : public Integrator {
   }
 
   /// Tᵀ(f − (1 − λ) f0) of the last evaluation, without what is held. The forces at work are the
-  /// load and, at the same state, what constraints must hold against.
+  /// load and, at the same state, what constraints must hold against; where both vanish (a surface
+  /// carried elsewhere), a part of what there was before the first step.
   [[nodiscard]] double residual_norm(const System& system, double lambda) {
     residual_ = system.force() - (1 - lambda) * first_force_;
-    scale_ = std::max(first_force_.norm(), residual_.norm());
+    scale_ = std::max({first_force_.norm(), residual_.norm(), kOfTheStart * start_residual_});
     system.reduce_force(residual_);
     for (const Freedom& f : held_) residual_(f.node, f.component) = 0;
     return residual_.norm();
@@ -197,6 +203,7 @@ class Static final : public Integrator {
         system.evaluate(state);
       }
       const double norm = residual_norm(system, lambda);
+      if (i == 0) start_residual_ = norm;
       report.residual = scale_ > 0 ? norm / scale_ : 0;
       report.residuals.push_back(report.residual);
       log::debug("static: long step " + std::to_string(i) + ", residual " +
@@ -234,6 +241,7 @@ class Static final : public Integrator {
         system.evaluate(state);
       }
       const double norm = residual_norm(system, lambda);
+      if (i == 0) start_residual_ = norm;
       report.residual = scale_ > 0 ? norm / scale_ : 0;
       report.residuals.push_back(report.residual);
       log::debug("static: iteration " + std::to_string(i) + ", residual " +
@@ -366,7 +374,7 @@ class Static final : public Integrator {
 
   Parameters parameters_;
   bool has_potential_ = true, said_ = false;
-  double end_ = 0, size_ = 0, scale_ = 0;
+  double end_ = 0, size_ = 0, scale_ = 0, start_residual_ = 0;
   std::vector<Freedom> held_;
   NodeValues zero_;
   NodeVectors start_, target_, first_force_, residual_, direction_;

@@ -10,21 +10,24 @@ class SymplecticEuler final : public Integrator {
 
   void advance(System& system, State& state, double step) override {
     system.evaluate(state);
-    const NodeValues& mass = system.mass();
-    inverse_ = (mass + step * system.damping()).cwiseInverse();
+    // What acts on tied components, their inertia too, goes to those that they follow.
+    mass_ = system.mass().replicate(1, 3);
+    damping_ = system.damping().replicate(1, 3);
+    force_ = system.force();
+    for (NodeVectors* x : {&mass_, &damping_, &force_}) system.reduce_force(*x);
     before_ = state.r;
-    for (int c = 0; c < 3; ++c) {
-      auto v = state.v.col(c);
-      v = (mass.cwiseProduct(v) + step * system.force().col(c)).cwiseProduct(inverse_);
-    }
+    for (int c = 0; c < 3; ++c)
+      for (Index a = 0; a < force_.rows(); ++a)
+        if (system.reduction().free(a, c))
+          state.v(a, c) = (mass_(a, c) * state.v(a, c) + step * force_(a, c)) /
+                          (mass_(a, c) + step * damping_(a, c));
     state.r += step * state.v;
     state.time += step;
     system.constrain(before_, step, state);
   }
 
  private:
-  NodeValues inverse_;
-  NodeVectors before_;
+  NodeVectors mass_, damping_, force_, before_;
 };
 
 }  // namespace

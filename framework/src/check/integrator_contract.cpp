@@ -5,6 +5,7 @@
 
 #include "check/bitwise.h"
 #include "check/contracts.h"
+#include "plugin/guard.h"
 
 namespace deform {
 namespace {
@@ -15,7 +16,8 @@ class IntegratorScene {
   IntegratorScene(const Subject& subject, const Terrain& terrain) : subject_(subject) {
     scene_ = Json{{"surface", terrain.surface},
                   {"material", {{"density", 0.1}}},
-                  {"energies", Json::array({{{"plugin", "stretching"}, {"eta", 0.01}}})},
+                  {"energies", Json::array({{{"plugin", "stretching"}, {"eta", 0.01}},
+                                            {{"plugin", "bending_variational"}, {"xi", 1e-6}}})},
                   {"forces", Json::array()},
                   {"constraints", Json::array()}};
   }
@@ -104,7 +106,12 @@ void report_order(const Subject& subject, const Terrain& terrain, Checks& checks
 }  // namespace
 
 void check_integrator_contract(const Subject& subject, Checks& checks) {
+  const bool is_static = guarded("the integrator", "saying what it is", [&] {
+    return subject.make<Integrator>(terrains(9, 7).front()).object->is_static();
+  });
   for (const Terrain& terrain : {terrains(9, 7).front(), terrains(9, 7)[4]}) {
+    // A shell that is carried by one side alone is no matter for statics.
+    if (is_static && terrain.name != terrains(9, 7).front().name) continue;
     checks.at(terrain.name);
     checks.runs("steps", [&] {
       check_rest(subject, terrain, checks);
@@ -112,10 +119,12 @@ void check_integrator_contract(const Subject& subject, Checks& checks) {
     });
   }
   checks.at("");
-  checks.runs("steps", [&] {
-    report_free_fall(subject, terrains(9, 7).front(), checks);
-    report_order(subject, terrains(9, 7).front(), checks);
-  });
+  if (!is_static) {
+    checks.runs("steps", [&] {
+      report_free_fall(subject, terrains(9, 7).front(), checks);
+      report_order(subject, terrains(9, 7).front(), checks);
+    });
+  }
   check_run(subject, checks);
 }
 

@@ -72,6 +72,10 @@ Json Subject::scene_json(const Terrain& terrain) const {
       scene["colliders"] = Json::array({use});
       break;
     case PluginKind::integrator:
+      // Held so that statics has an equilibrium, too, under a load that is no match for the sheet.
+      scene["energies"].push_back({{"plugin", "bending_variational"}, {"xi", 1e-4}});
+      scene["forces"][0]["acceleration"] = {0, 0, -0.01};
+      scene["constraints"][0]["where"] = {{"box", {{-1, -1}, {0.13, 10}}}};
       if (!use.contains("step")) use["step"] = 0.002;
       scene["integrator"] = use;
       break;

@@ -14,6 +14,8 @@ class DEFORM_API Integrator : public Plugin {
   /// Advances r, v and time by exactly `step` seconds, in as many substeps as it likes; prescribed
   /// components end where the constraints say.
   virtual void advance(System& system, State& state, double step) = 0;
+  /// Whether it looks for equilibria, so that inertia has no say: nothing falls or swings.
+  [[nodiscard]] virtual bool is_static() const { return false; }
 };
 
 }  // namespace deform
