@@ -1,12 +1,15 @@
 #include <deform/model/quadratic_term.h>
+#include <deform/plugin/field.h>
+#include <deform/surface/surface.h>
 
 namespace {
 using namespace deform;
 
 struct Parameters {
-  PairWeights xi = PairWeights::all(1e-6);
+  PairWeightsField xi = PairWeights::all(1e-6);
   static void declare(Declaration<Parameters>& d) {
-    d("xi", &Parameters::xi, "N·m", "resistance to bending, one number or [[11,12],[21,22]]")
+    d("xi", &Parameters::xi, "N·m",
+      "resistance to bending: a number, a formula or a map, or [[11,12],[21,22]] of such")
         .at_least(0);
   }
 };
@@ -15,16 +18,18 @@ struct Parameters {
 /// B⁰_ij n).
 class BendingVariational final : public QuadraticTerm {
  public:
-  BendingVariational(const Parameters& p, const Setup& /*setup*/)
-      : QuadraticTerm(Form::curvature), c_(weighted_norm_stiffness(0.5, p.xi)) {}
+  BendingVariational(const Parameters& p, const Setup& setup)
+      : QuadraticTerm(Form::curvature),
+        xi_(p.xi.at_samples(setup.surface(), setup.surface().samples(SampleRole::bending))) {}
 
   [[nodiscard]] bool is_diagonal() const override { return true; }
   void stiffness(const GeometryBlock& rest, FormStiffness& c) const override {
-    for (Index s = 0; s < rest.size(); ++s) c.set(s, c_);
+    for (Index s = 0; s < rest.size(); ++s)
+      c.set(s, weighted_norm_stiffness(0.5, xi_[rest.first() + s]));
   }
 
  private:
-  Eigen::Matrix3d c_;
+  WeightsAtSamples xi_;
 };
 
 }  // namespace

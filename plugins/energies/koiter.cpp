@@ -1,53 +1,94 @@
-#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include <deform/model/materials.h>
 #include <deform/model/quadratic_term.h>
+#include <deform/plugin/field.h>
+#include <deform/surface/surface.h>
 
 namespace {
 using namespace deform;
 
 struct Parameters {
-  double young = 1e6;
-  double poisson = 0.3;
-  double thickness = 1e-3;
+  std::string material = "none";
+  Field young = 0.0;
+  double poisson = -1;
+  Field thickness = 0.0;
   static void declare(Declaration<Parameters>& d) {
-    d("young", &Parameters::young, "Pa", "Young's modulus").required().above(0);
-    d("poisson", &Parameters::poisson, "1", "Poisson's ratio").at_least(0).at_most(0.5);
-    d("thickness", &Parameters::thickness, "m", "of the sheet").required().above(0);
+    std::vector<std::string> names = sheet_material_names();
+    names.insert(names.begin(), "none");
+    d("material", &Parameters::material, "", "sheet whose values hold where the scene gives none")
+        .one_of(names);
+    d("young", &Parameters::young, "Pa", "Young's modulus; 0: the material's").at_least(0);
+    d("poisson", &Parameters::poisson, "1", "Poisson's ratio; -1: the material's")
+        .at_least(-1)
+        .at_most(0.5);
+    d("thickness", &Parameters::thickness, "m", "of the sheet; 0: the material's").at_least(0);
   }
 };
+
+/// What the scene says, the material's values where it says nothing.
+Parameters completed(Parameters p) {
+  const auto is_absent = [](const Field& f) { return f.is_constant() && f.constant() == 0; };
+  if (p.material != "none") {
+    const SheetMaterial& sheet = sheet_material(p.material);
+    if (is_absent(p.young)) p.young = sheet.young;
+    if (is_absent(p.thickness)) p.thickness = sheet.thickness;
+    if (p.poisson == -1) p.poisson = sheet.poisson;
+  }
+  const auto require = [](bool is_there, const std::string& name) {
+    if (!is_there) throw InputError("'" + name + "' is missing: give it, or a 'material'");
+  };
+  require(!is_absent(p.young), "young");
+  require(!is_absent(p.thickness), "thickness");
+  require(p.poisson != -1, "poisson");
+  return p;
+}
 
 /// factor · √det G⁰ [(1 − ν) tr(M²) + ν tr(M)²] with M = G⁰⁻¹ X, as a quadratic form of X.
 class IsotropicTerm final : public QuadraticTerm {
  public:
-  IsotropicTerm(Form form, double factor, double nu)
-      : QuadraticTerm(form), factor_(factor), nu_(nu) {}
+  /// `factor`: one number a sample of the form's set [N/m or N·m].
+  IsotropicTerm(Form form, NodeValues factor, double nu)
+      : QuadraticTerm(form), factor_(std::move(factor)), nu_(nu) {}
 
   void stiffness(const GeometryBlock& rest, FormStiffness& c) const override {
     for (Index s = 0; s < rest.size(); ++s) {
       const auto i = static_cast<std::size_t>(s);
       const double g11 = rest.reciprocal(Pair::p11)[i], g12 = rest.reciprocal(Pair::p12)[i],
                    g22 = rest.reciprocal(Pair::p22)[i];
-      Eigen::Matrix3d A;  // of tr(M²)
-      A << g11 * g11, 2 * g11 * g12, g12 * g12,                   //
+      Eigen::Matrix3d A;                                              // of tr(M²)
+      A << g11 * g11, 2 * g11 * g12, g12 * g12,                       //
           2 * g11 * g12, 2 * (g11 * g22 + g12 * g12), 2 * g12 * g22,  //
           g12 * g12, 2 * g12 * g22, g22 * g22;
       const Vec3 v(g11, 2 * g12, g22);  // tr(M) = v·X
-      c.set(s, 2 * factor_ * rest.area_element()[i] * ((1 - nu_) * A + nu_ * v * v.transpose()));
+      const double factor = factor_[rest.first() + s] * rest.area_element()[i];
+      c.set(s, 2 * factor * ((1 - nu_) * A + nu_ * v * v.transpose()));
     }
   }
 
  private:
-  double factor_, nu_;
+  NodeValues factor_;
+  double nu_;
 };
 
 /// W = E h/(8(1−ν²)) […in G − G⁰] + E h³/(24(1−ν²)) […in B − B⁰] per rest area.
 class Koiter final : public CompoundTerm {
  public:
-  Koiter(const Parameters& p, const Setup& /*setup*/) {
-    const double plane = p.young * p.thickness / (1 - p.poisson * p.poisson);
-    parts_ = {{"stretching", std::make_shared<IsotropicTerm>(Form::metric, plane / 8, p.poisson)},
-              {"bending", std::make_shared<IsotropicTerm>(
-                              Form::curvature, plane * p.thickness * p.thickness / 24, p.poisson)}};
+  Koiter(const Parameters& given, const Setup& setup) {
+    const Parameters p = completed(given);
+    const Surface& surface = setup.surface();
+    const double plane = 1 - p.poisson * p.poisson;
+    const auto at = [&](const Field& field, SampleRole role) {
+      return field.at_samples(surface, surface.samples(role)).array().eval();
+    };
+    const NodeValues stretching =
+        at(p.young, SampleRole::membrane) * at(p.thickness, SampleRole::membrane) / (8 * plane);
+    const NodeValues bending = at(p.young, SampleRole::bending) *
+                               at(p.thickness, SampleRole::bending).cube() / (24 * plane);
+    parts_ = {{"stretching", std::make_shared<IsotropicTerm>(Form::metric, stretching, p.poisson)},
+              {"bending", std::make_shared<IsotropicTerm>(Form::curvature, bending, p.poisson)}};
   }
   [[nodiscard]] const std::vector<Part>& parts() const override { return parts_; }
 

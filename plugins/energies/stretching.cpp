@@ -1,13 +1,15 @@
 #include <deform/model/quadratic_term.h>
+#include <deform/plugin/field.h>
+#include <deform/surface/surface.h>
 
 namespace {
 using namespace deform;
 
 struct Parameters {
-  PairWeights eta = PairWeights::all(0.01);
+  PairWeightsField eta = PairWeights::all(0.01);
   static void declare(Declaration<Parameters>& d) {
     d("eta", &Parameters::eta, "N/m",
-      "resistance to metric variation, one number or [[11,12],[21,22]]")
+      "resistance to metric variation: a number, a formula or a map, or [[11,12],[21,22]] of such")
         .at_least(0);
   }
 };
@@ -16,16 +18,18 @@ struct Parameters {
 /// (20).
 class Stretching final : public QuadraticTerm {
  public:
-  Stretching(const Parameters& p, const Setup& /*setup*/)
-      : QuadraticTerm(Form::metric), c_(weighted_norm_stiffness(0.25, p.eta)) {}
+  Stretching(const Parameters& p, const Setup& setup)
+      : QuadraticTerm(Form::metric),
+        eta_(p.eta.at_samples(setup.surface(), setup.surface().samples(SampleRole::membrane))) {}
 
   [[nodiscard]] bool is_diagonal() const override { return true; }
   void stiffness(const GeometryBlock& rest, FormStiffness& c) const override {
-    for (Index s = 0; s < rest.size(); ++s) c.set(s, c_);
+    for (Index s = 0; s < rest.size(); ++s)
+      c.set(s, weighted_norm_stiffness(0.25, eta_[rest.first() + s]));
   }
 
  private:
-  Eigen::Matrix3d c_;
+  WeightsAtSamples eta_;
 };
 
 }  // namespace
