@@ -36,6 +36,8 @@ PARAMETERS = {
     "energy/edge_springs": [{}, {"diagonals": False}, {"stiffness": {"formula": "1 + a1"}}],
     "energy/koiter": [{"young": 1e4, "poisson": 0.3, "thickness": 1e-2},
                       {"young": {"formula": "1e4*(1+a1)"}, "poisson": 0, "thickness": 1e-2}],
+    "energy/koiter_orthotropic": [{"young_1": 2e4, "young_2": 1e4, "shear": 4e3, "poisson": 0.3,
+                                   "thickness": 1e-2}, {"material": "paper", "thickness": 1e-6}],
     "energy/stretching": [{}, {"eta": {"formula": "0.01*(1+a1)"}}],
     "force/point_load": [{"force": [0, 0, -1], "where": LEFT}],
     "force/edge_load": [{"force": [0, 0, -1], "where": LEFT}],

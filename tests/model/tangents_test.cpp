@@ -1,5 +1,6 @@
 /// Tangents of every energy with a potential against finite differences of its force, and what the
 /// semidefinite ones promise.
+#include <cmath>
 #include <ostream>
 
 #include "deform/check/mechanics.h"
@@ -43,6 +44,13 @@ constexpr const char* kVariational =
     R"({"plugin": "bending_variational", "xi": [[2e-4, 1e-4], [1e-4, 3e-4]]})";
 constexpr const char* kKoiter =
     R"({"plugin": "koiter", "young": 50, "poisson": 0.3, "thickness": 0.05})";
+constexpr const char* kOrthotropic =
+    R"({"plugin": "koiter_orthotropic", "young_1": 60, "young_2": 30, "shear": 9, "poisson": 0.4,
+        "thickness": 0.05})";
+constexpr const char* kIsotropic =
+    R"({"plugin": "koiter_orthotropic", "young_1": 50, "young_2": 50, "shear": 19.23076923076923,
+        "poisson": 0.3, "thickness": 0.05})";
+constexpr const char* kThinPlate = R"({"plugin": "thin_plate", "xi": 2e-4, "poisson": 0.3})";
 constexpr const char* kSprings = R"({"plugin": "edge_springs", "stiffness": 2.0})";
 
 class Tangents : public testing::TestWithParam<Case> {
@@ -69,19 +77,78 @@ TEST_P(Tangents, SemidefiniteOnesAre) {
     EXPECT_LT(tangent_indefiniteness(s.system(), state, kind), 1e-12);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Tangents,
-                         testing::Values(Case{"stretching_flat", kStretching, kOneSided, kFlat},
-                                         Case{"stretching_sphere", kStretching, kCentral, kSphere},
-                                         Case{"bending_flat", kVariational, kCentral, kFlat},
-                                         Case{"bending_forward", kVariational, kOneSided, kFlat},
-                                         Case{"bending_sphere", kVariational, kCentral, kSphere},
-                                         Case{"koiter_flat", kKoiter, kSymmetric, kFlat},
-                                         Case{"koiter_sphere", kKoiter, kSymmetric, kSphere},
-                                         Case{"koiter_sheared", kKoiter, kSymmetric, kSheared},
-                                         Case{"koiter_torus", kKoiter, kSymmetric, kTorusPart},
-                                         Case{"koiter_central", kKoiter, kCentral, kTorusPart},
-                                         Case{"springs", kSprings, kCentral, kSphere}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+Simulation simulation_of_energies(const std::string& energies, const char* rest) {
+  return simulation_from_text(
+      std::string(R"({"surface": {"plugin": "grid", "nodes": [6, 5], "size": [1.0, 0.8], )") +
+      kSymmetric + R"(, "rest": )" + rest + R"(}, "material": {"density": 0.1}, "energies": [)" +
+      energies +
+      R"(], "integrator": {"plugin": "semi_implicit", "step": 0.01}, "duration": 0.01})");
+}
+
+/// Two implementations of one energy: the same energy and force at a disturbed state.
+void expect_same(const std::string& one, const std::string& other, const char* rest) {
+  Simulation a = simulation_of_energies(one, rest), b = simulation_of_energies(other, rest);
+  const State state = disturbed(a.system().rest(), kStrain);
+  a.system().evaluate(state);
+  b.system().evaluate(state);
+  EXPECT_LT((a.system().force() - b.system().force()).norm(), 1e-12 * a.system().force().norm());
+  EXPECT_NEAR(a.system().potential(state) / b.system().potential(state), 1, 1e-12);
+}
+
+TEST(Koiter, IsStretchingAndBendingWithoutPoisson) {
+  expect_same(R"({"plugin": "koiter", "young": 50, "poisson": 0, "thickness": 0.06})",
+              R"({"plugin": "stretching", "eta": 1.5},
+                 {"plugin": "bending_variational", "xi": 9e-4})",
+              kFlat);
+}
+TEST(Koiter, IsTheOrthotropicOneWithEqualDirections) {
+  for (const char* rest : {kFlat, kSphere, kSheared, kTorusPart})
+    expect_same(kKoiter, kIsotropic, rest);
+}
+
+/// The energy of a deformation is that of the same one under other parameters: the rest metric is
+/// part of it. A square stretched by 1.2 along x and sheared, described by sheared parameters.
+TEST(Koiter, KnowsNoParameters) {
+  const auto energy = [](const char* rest) {
+    Simulation s = simulation_of_energies(kKoiter, rest);
+    NodeVectors r = s.system().rest();
+    r.col(0) = 1.2 * r.col(0) + 0.1 * r.col(1);
+    return s.system().potential({r, NodeVectors::Zero(r.rows(), 3), 0});
+  };
+  const double plain = energy(R"({"plugin": "formula", "x": "a1", "y": "a2"})");
+  const double sheared = energy(R"({"plugin": "formula", "x": "2*a1+a2", "y": "0.5*a2"})");
+  EXPECT_NEAR(sheared / plain, 1, 1e-12);  // 2 · 0.5: the same rest area
+}
+
+/// E h/(24 (1 − ν²)) [(1 − ν) tr S² + ν (tr S)²] h²: half a cylinder from flat rest ½ D/R² an area.
+TEST(Koiter, RolledSheetHasItsEnergy) {
+  Simulation s = simulation_of_energies(kKoiter, kFlat);
+  Simulation rolled = simulation_of_energies(kKoiter, R"({"plugin": "arc", "radius": 0.5})");
+  const State state{rolled.system().rest(), NodeVectors::Zero(s.system().nodes(), 3), 0};
+  const double D = 50 * 0.05 * 0.05 * 0.05 / (12 * (1 - 0.09));
+  const double chord = 2 * std::sin(0.2) / 0.4;  // of an arc of 0.4: a cell at a radius of ½ m
+  // B_11 of the discrete arc: its second difference along the normal, over h²: chord² / R.
+  EXPECT_NEAR(s.system().energy(1, state), 0.5 * D * 4 * std::pow(chord, 4) * 0.8,
+              0.05 * 0.5 * D * 4 * 0.8);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Tangents,
+    testing::Values(Case{"stretching_flat", kStretching, kOneSided, kFlat},
+                    Case{"stretching_sphere", kStretching, kCentral, kSphere},
+                    Case{"bending_flat", kVariational, kCentral, kFlat},
+                    Case{"bending_forward", kVariational, kOneSided, kFlat},
+                    Case{"bending_sphere", kVariational, kCentral, kSphere},
+                    Case{"koiter_flat", kKoiter, kSymmetric, kFlat},
+                    Case{"koiter_sphere", kKoiter, kSymmetric, kSphere},
+                    Case{"koiter_sheared", kKoiter, kSymmetric, kSheared},
+                    Case{"koiter_torus", kKoiter, kSymmetric, kTorusPart},
+                    Case{"koiter_central", kKoiter, kCentral, kTorusPart},
+                    Case{"orthotropic_sheared", kOrthotropic, kSymmetric, kSheared},
+                    Case{"orthotropic_torus", kOrthotropic, kSymmetric, kTorusPart},
+                    Case{"thin_plate", kThinPlate, kSymmetric, kFlat},
+                    Case{"springs", kSprings, kCentral, kSphere}),
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace deform

@@ -1,0 +1,116 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <deform/model/materials.h>
+#include <deform/model/quadratic_term.h>
+
+namespace {
+using namespace deform;
+
+struct Parameters {
+  std::string material = "none";
+  double young_1 = 0, young_2 = 0, shear = 0, poisson = -1, thickness = 0;
+  static void declare(Declaration<Parameters>& d) {
+    std::vector<std::string> names{"none"};
+    for (const SheetMaterial& sheet : sheet_materials())
+      if (sheet.directions) names.push_back(sheet.name);
+    d("material", &Parameters::material, "", "sheet whose values hold where the scene gives none")
+        .one_of(names);
+    d("young_1", &Parameters::young_1, "Pa",
+      "Young's modulus along a1 (warp, machine direction); 0: the material's")
+        .at_least(0);
+    d("young_2", &Parameters::young_2, "Pa",
+      "Young's modulus across it (weft, cross direction); 0: the material's")
+        .at_least(0);
+    d("shear", &Parameters::shear, "Pa", "shear modulus in the sheet; 0: the material's")
+        .at_least(0);
+    d("poisson", &Parameters::poisson, "1",
+      "contraction across, of a pull along a1; -1: the material's")
+        .at_least(-1)
+        .at_most(2);
+    d("thickness", &Parameters::thickness, "m", "of the sheet; 0: the material's").at_least(0);
+  }
+};
+
+/// What the scene says, the material's values where it says nothing.
+Parameters completed(Parameters p) {
+  if (p.material != "none") {
+    const SheetMaterial& sheet = sheet_material(p.material);
+    if (p.young_1 == 0) p.young_1 = sheet.directions->young_1;
+    if (p.young_2 == 0) p.young_2 = sheet.directions->young_2;
+    if (p.shear == 0) p.shear = sheet.directions->shear;
+    if (p.poisson == -1) p.poisson = sheet.poisson;
+    if (p.thickness == 0) p.thickness = sheet.thickness;
+  }
+  const auto require = [](bool is_there, const std::string& name) {
+    if (!is_there) throw InputError("'" + name + "' is missing: give it, or a 'material'");
+  };
+  require(p.young_1 > 0, "young_1");
+  require(p.young_2 > 0, "young_2");
+  require(p.shear > 0, "shear");
+  require(p.poisson != -1, "poisson");
+  require(p.thickness > 0, "thickness");
+  if (!(p.poisson * p.poisson * p.young_2 < p.young_1))
+    throw InputError("'poisson' is " + std::to_string(p.poisson) +
+                     ": poisson² · young_2 < young_1 is what makes the energy positive");
+  return p;
+}
+
+/// factor · √det G⁰ · x·Q x of the components x = (X'_11, X'_12, X'_22) of X along the orthonormal
+/// frame e_1 ∥ r_1, e_2 of the rest surface.
+class OrthotropicTerm final : public QuadraticTerm {
+ public:
+  OrthotropicTerm(Form form, double factor, const Parameters& p) : QuadraticTerm(form) {
+    const double poisson_2 = p.poisson * p.young_2 / p.young_1;
+    const double plane = 1 - p.poisson * poisson_2;
+    Q_ << p.young_1 / plane, 0, poisson_2 * p.young_1 / plane,  //
+        0, 4 * p.shear, 0,                                      //
+        poisson_2 * p.young_1 / plane, 0, p.young_2 / plane;
+    Q_ *= 2 * factor;
+  }
+
+  void stiffness(const GeometryBlock& rest, FormStiffness& c) const override {
+    for (Index s = 0; s < rest.size(); ++s) {
+      const auto i = static_cast<std::size_t>(s);
+      const double G_11 = rest.G(Pair::p11)[i], G_12 = rest.G(Pair::p12)[i];
+      const double area = rest.area_element()[i];
+      // e_1 = f_1 r_1, e_2 = g_1 r_1 + g_2 r_2.
+      const double f_1 = 1 / std::sqrt(G_11), g_2 = std::sqrt(G_11) / area,
+                   g_1 = -G_12 / G_11 * g_2;
+      Eigen::Matrix3d P;
+      P << f_1 * f_1, 0, 0,         //
+          f_1 * g_1, f_1 * g_2, 0,  //
+          g_1 * g_1, 2 * g_1 * g_2, g_2 * g_2;
+      c.set(s, area * P.transpose() * Q_ * P);
+    }
+  }
+
+ private:
+  Eigen::Matrix3d Q_;
+};
+
+/// W = h/8 [Q_11 X_11² + 2 Q_12 X_11 X_22 + Q_22 X_22² + 4 G X_12²] in X = G − G⁰ and h³/24 [the
+/// same] in X = B − B⁰, per rest area.
+class KoiterOrthotropic final : public CompoundTerm {
+ public:
+  KoiterOrthotropic(const Parameters& given, const Setup& /*setup*/) {
+    const Parameters p = completed(given);
+    const double h = p.thickness;
+    parts_ = {{"stretching", std::make_shared<OrthotropicTerm>(Form::metric, h / 8, p)},
+              {"bending", std::make_shared<OrthotropicTerm>(Form::curvature, h * h * h / 24, p)}};
+  }
+  [[nodiscard]] const std::vector<Part>& parts() const override { return parts_; }
+
+ private:
+  std::vector<Part> parts_;
+};
+
+}  // namespace
+
+DEFORM_PLUGIN(KoiterOrthotropic, Parameters, .name = "koiter_orthotropic", .version = "1.0",
+              .summary = "thin shell of a material with two directions: woven cloth, paper",
+              .formula =
+                  "W = h/8 [Q_11 X_11² + 2 Q_12 X_11 X_22 + Q_22 X_22² + 4 G X_12²] in G − G⁰ "
+                  "+ h³/24 […] in B − B⁰",
+              .source = "Koiter 1966; Jones, Mechanics of Composite Materials, chapter 2")
