@@ -75,6 +75,10 @@ class OrthotropicTerm final : public QuadraticTerm {
       const auto i = static_cast<std::size_t>(s);
       const double G_11 = rest.G(Pair::p11)[i], G_12 = rest.G(Pair::p12)[i];
       const double area = rest.area_element()[i];
+      if (!(area > 0)) {  // a border where the tangents do not exist
+        c.set(s, Eigen::Matrix3d::Zero());
+        continue;
+      }
       // e_1 = f_1 r_1, e_2 = g_1 r_1 + g_2 r_2.
       const double f_1 = 1 / std::sqrt(G_11), g_2 = std::sqrt(G_11) / area,
                    g_1 = -G_12 / G_11 * g_2;
