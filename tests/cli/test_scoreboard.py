@@ -87,5 +87,23 @@ class PressedFlat(unittest.TestCase):
                     self.compare(lambda v, o=of, r=rival: v.update({o: v[r]})), 5)
 
 
+class LateralBuckling(unittest.TestCase):
+    def test_a_nudged_strip_leaves_its_plane_above_the_critical_load_only(self):
+        scene = Path(os.environ["DEFORM_SCENES"]) / "benchmarks" / "lateral_buckling.json"
+        nudge = {"plugin": "edge_load", "where": {"boundary": "right"}, "force": [0, 2e-9, 0]}
+        with tempfile.TemporaryDirectory(prefix="deform_scoreboard_") as folder:
+            out = Path(folder) / "run"
+            subprocess.run([PROGRAM, "run", scene, "--set", f"/forces/-={json.dumps(nudge)}",
+                            "--out", out, "--quiet"], check=True, timeout=TIMEOUT,
+                           env={**os.environ, "OPENBLAS_NUM_THREADS": "1"})
+            lines = (out / "probes.csv").read_text().splitlines()
+        names = [re.sub(r" \[.*", "", name) for name in lines[0].split(",")]
+        rows = [dict(zip(names, map(float, line.split(",")))) for line in lines[1:]]
+        self.assertLess(rows[1]["tip.dy"], 1e-4)  # 0.95 of the critical load
+        self.assertGreater(rows[3]["tip.dy"], 0.05)  # 1.05
+        self.assertGreater(rows[4]["tip.dy"], rows[3]["tip.dy"])
+        self.assertTrue(all(row["stability.lowest"] > 0 for row in rows))
+
+
 if __name__ == "__main__":
     unittest.main()
