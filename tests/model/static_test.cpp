@@ -104,6 +104,34 @@ TEST(Static, KnowsThatACompressedSheetIsUnstable) {
   EXPECT_GT(far, 0.2);
 }
 
+/// Each named rest shape, turned and moved as a whole: no force of any part of Koiter's energy.
+TEST(Static, RigidMotionsOfNamedShapesLeaveNoForce) {
+  for (const char* rest :
+       {R"({"plugin": "flat"})", R"({"plugin": "arc", "radius": 0.5})",
+        R"({"plugin": "sphere_patch", "radius": 1.5})", R"({"plugin": "hemisphere", "radius": 1})",
+        R"({"plugin": "torus", "radius": 1, "tube": 0.3})",
+        R"({"plugin": "helicoid", "height": 0.5})",
+        R"({"plugin": "wave", "amplitude": 0.1, "wavelength": 0.7})"}) {
+    SCOPED_TRACE(rest);
+    Simulation s = simulation_from_text(
+        std::string(R"({"surface": {"plugin": "grid", "nodes": [9, 8], "size": [1.0, 0.8],
+            "differences": "symmetric", "border": "one_sided", "weights": "area", "rest": )") +
+        rest + R"(}, "material": {"density": 1.0}, "energies": [{"plugin": "koiter", "young": 50,
+            "poisson": 0.3, "thickness": 0.05}], "integrator": {"plugin": "static", "step": 1},
+            "duration": 1})");
+    System& system = s.system();
+    State moved = deform::disturbed(system.rest(), 0.03);
+    std::vector<double> scale;
+    for (std::size_t term = 0; term < 2; ++term)
+      scale.push_back(system.internal_force(term, moved).norm());
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(2.1, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+    moved.r = (system.rest() * turn.transpose()).eval().rowwise() + Eigen::RowVector3d(1, -2, 3);
+    for (std::size_t term = 0; term < 2; ++term)
+      EXPECT_LT(system.internal_force(term, moved).norm(), 1e-9 * scale[term]);
+  }
+}
+
 /// Ten rest shapes by formula: no force after a rigid motion, forces and tangents are derivatives.
 TEST(Static, RandomRestShapesKeepTheRules) {
   std::srand(7);
