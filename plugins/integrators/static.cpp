@@ -143,14 +143,13 @@ class Static final : public Integrator {
     return residual_.norm();
   }
 
-  /// Whether a direction was found, with the largest eigenvalue-free means that work.
+  /// "" or why there is no direction to go in.
   [[nodiscard]] std::string find_direction(System& system, const State& state) {
     if (!has_potential_) {
       system.evaluate_with_jacobian(state);
-      const std::string reason = system.factor_jacobian(zero_);
-      if (!reason.empty()) return reason;
-      system.solve_jacobian(residual_, direction_);
-      return "";
+      std::string reason = system.factor_jacobian(zero_);
+      if (reason.empty()) system.solve_jacobian(residual_, direction_);
+      return reason;
     }
     std::string reason = system.factor_tangent(zero_);
     if (!reason.empty()) {

@@ -46,8 +46,8 @@ std::string elf_objection(const std::filesystem::path& path) {
   if (!is_of_this_machine(header)) return "is a library for another machine";
   if (header.e_type != ET_DYN) return "is no shared library, but an ELF file of another kind";
 
-  std::string cut_off = "is cut off: its header tells of more than the " +
-                              std::to_string(size) + " bytes that there are";
+  std::string cut_off = "is cut off: its header tells of more than the " + std::to_string(size) +
+                        " bytes that there are";
   std::vector<Segment> segments(header.e_phnum);
   if (header.e_phentsize != sizeof(Segment) ||
       !read_at(file, header.e_phoff, segments.data(), segments.size()))

@@ -31,7 +31,7 @@ TangentAssembler::TangentAssembler(const JetAssembler& terms) : terms_(&terms) {
     for (const int n : derivatives_)
       if (m <= n) {
         places_[static_cast<std::size_t>(m)][static_cast<std::size_t>(n)] =
-            static_cast<std::int8_t>(blocks_.size());
+            static_cast<std::int16_t>(blocks_.size());
         blocks_.push_back({m, n});
       }
 }

@@ -38,7 +38,7 @@ class JetTangent {
  public:
   /// Place of the block (m, n) among a sample's, counted in the order of the upper triangle; −1
   /// where the density does not depend on one of both.
-  using Places = std::array<std::array<std::int8_t, kDerivatives>, kDerivatives>;
+  using Places = std::array<std::array<std::int16_t, kDerivatives>, kDerivatives>;
 
   JetTangent(double* data, Index stride, const Places& places, Index size)
       : data_(data), stride_(stride), places_(&places), size_(size) {}
