@@ -1,6 +1,5 @@
-#include <deform/model/force_field.h>
-
 #include "../sides.h"
+#include "dead_load.h"
 
 namespace {
 using namespace deform;
@@ -25,27 +24,10 @@ NodeValues lengths(const NodeSelection& where, const Setup& setup) {
 }
 
 /// A dead load along sides: it keeps its direction, and its size when they are stretched.
-class EdgeLoad final : public ForceField {
+class EdgeLoad final : public DeadLoad {
  public:
   EdgeLoad(const Parameters& p, const Setup& setup)
-      : force_(p.force), time_(p.time), length_(lengths(p.where, setup)) {}
-
-  [[nodiscard]] ForceTraits traits() const override { return {.potential = true}; }
-
-  void add_force(const NodeBlock& nodes, Vectors force) const override {
-    const Vec3 density = time_(nodes.time) * force_;
-    for (Index i = 0; i < nodes.size; ++i) force.add(i, length_[nodes.first + i] * density);
-  }
-  void add_potential(const NodeBlock& nodes, Values energy) const override {
-    const Vec3 density = time_(nodes.time) * force_;
-    for (Index i = 0; i < nodes.size; ++i)
-      energy[i] -= length_[nodes.first + i] * density.dot(nodes.r[i]);
-  }
-
- private:
-  Vec3 force_;  // [N/m]
-  TimeProfile time_;
-  NodeValues length_;  // (N) [m]
+      : DeadLoad(p.force, p.time, lengths(p.where, setup)) {}
 };
 
 }  // namespace

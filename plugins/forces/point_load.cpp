@@ -1,5 +1,6 @@
-#include <deform/model/force_field.h>
 #include <deform/surface/surface.h>
+
+#include "dead_load.h"
 
 namespace {
 using namespace deform;
@@ -25,27 +26,10 @@ NodeValues area_shares(const NodeSelection& where, const Setup& setup) {
 }
 
 /// A dead load: it keeps its direction, and its total however fine the surface.
-class PointLoad final : public ForceField {
+class PointLoad final : public DeadLoad {
  public:
   PointLoad(const Parameters& p, const Setup& setup)
-      : force_(p.force), time_(p.time), share_(area_shares(p.where, setup)) {}
-
-  [[nodiscard]] ForceTraits traits() const override { return {.potential = true}; }
-
-  void add_force(const NodeBlock& nodes, Vectors force) const override {
-    const Vec3 total = time_(nodes.time) * force_;
-    for (Index i = 0; i < nodes.size; ++i) force.add(i, share_[nodes.first + i] * total);
-  }
-  void add_potential(const NodeBlock& nodes, Values energy) const override {
-    const Vec3 total = time_(nodes.time) * force_;
-    for (Index i = 0; i < nodes.size; ++i)
-      energy[i] -= share_[nodes.first + i] * total.dot(nodes.r[i]);
-  }
-
- private:
-  Vec3 force_;
-  TimeProfile time_;
-  NodeValues share_;  // (N)
+      : DeadLoad(p.force, p.time, area_shares(p.where, setup)) {}
 };
 
 }  // namespace

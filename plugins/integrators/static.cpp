@@ -32,11 +32,13 @@ struct Parameters {
 constexpr int kMostHalvings = 10;
 /// A line search halves its step this often.
 constexpr int kMostCuts = 24;
-/// Newton steps without line search before that is tried.
+/// Whole Newton steps before a line search is tried.
 constexpr int kMostLongSteps = 25;
-/// Forces that cancel to this part of what they are made of cannot cancel further by a step that
-/// moves nothing.
+/// Forces that cancel to this part of what they are made of count as balanced where no step helps;
+/// a Newton step below this part of the size moves nothing.
 constexpr double kRoundingOfForces = 1e-6, kRoundingOfPositions = 1e-13;
+/// Forces that differ by less than this factor are of one kind.
+constexpr double kOfTheSameKind = 100;
 /// Of the residual at a load step's start: what a residual can be measured by at least.
 constexpr double kOfTheStart = 1e-3;
 
@@ -63,24 +65,7 @@ class Static final : public Integrator {
     if (parameters_.linear) {
       solve_linear(system, state);
     } else {
-      double done = 0, part = 1 / static_cast<double>(parameters_.load_steps);
-      int halvings = 0;
-      system.step_report().substeps = 0;
-      while (done < 1) {
-        const double next = done + part > 1 - 1e-9 ? 1 : done + part;
-        State trial = state;
-        const Outcome outcome = find_equilibrium(system, trial, next);
-        ++system.step_report().substeps;
-        if (outcome.converged) {
-          state = trial;
-          done = next;
-          part = std::min(2 * part, 1 / static_cast<double>(parameters_.load_steps));
-          continue;
-        }
-        if (++halvings > kMostHalvings) give_up(system, state, done, outcome.reason);
-        log::debug("static: " + outcome.reason + "; half the load step");
-        part /= 2;
-      }
+      load_up(system, state);
       report_stability(system, state);
     }
     state.v.setZero();
@@ -88,6 +73,39 @@ class Static final : public Integrator {
   }
 
  private:
+  /// How an equilibrium is looked for.
+  enum class Steps {
+    newton,  ///< Newton's, whole, with the stress that the last one foresaw in their tangent
+    descent  ///< along Newton's or a projected direction, as far as the merit falls
+  };
+
+  /// Load step by load step to the end of the step, halving those that lead nowhere.
+  void load_up(System& system, State& state) {
+    const double first = 1 / static_cast<double>(parameters_.load_steps);
+    double done = 0, part = first;
+    int halvings = 0;
+    system.step_report().substeps = 0;
+    while (done < 1) {
+      const double next = done + part > 1 - 1e-9 ? 1 : done + part;
+      State trial = state;
+      Outcome outcome = iterate(system, trial, next, Steps::newton);
+      if (!outcome.converged) {
+        trial = state;
+        outcome = iterate(system, trial, next, Steps::descent);
+      }
+      ++system.step_report().substeps;
+      if (outcome.converged) {
+        state = trial;
+        done = next;
+        part = std::min(2 * part, first);
+        continue;
+      }
+      if (++halvings > kMostHalvings) give_up(system, state, done, outcome.reason);
+      log::debug("static: " + outcome.reason + "; half the load step");
+      part /= 2;
+    }
+  }
+
   void begin(System& system, const State& state, double step) {
     has_potential_ = system.without_potential().empty() && system.without_tangent().empty();
     if (!has_potential_ && !parameters_.linear) say_once_what_has_no_potential(system);
@@ -143,22 +161,28 @@ class Static final : public Integrator {
     return residual_.norm();
   }
 
-  /// "" or why there is no direction to go in.
-  [[nodiscard]] std::string find_direction(System& system, const State& state) {
-    if (!has_potential_) {
-      system.evaluate_with_jacobian(state);
-      std::string reason = system.factor_jacobian(zero_);
-      if (reason.empty()) system.solve_jacobian(residual_, direction_);
-      return reason;
-    }
-    std::string reason = system.factor_tangent(zero_);
-    if (!reason.empty()) {
-      system.evaluate_with_tangent(state, Tangent::projected);
-      reason = factor_with_shift(system);
-    }
+  /// Newton's direction by the tangent of the last evaluation, or by differences where there is
+  /// none; "" or why there is none.
+  [[nodiscard]] std::string newton_direction(System& system, const State& state) {
+    if (!has_potential_) system.evaluate_with_jacobian(state);
+    std::string reason =
+        has_potential_ ? system.factor_tangent(zero_) : system.factor_jacobian(zero_);
     if (!reason.empty()) return reason;
-    system.solve_tangent(residual_, direction_);
+    if (has_potential_) {
+      system.solve_tangent(residual_, direction_);
+    } else {
+      system.solve_jacobian(residual_, direction_);
+    }
     return "";
+  }
+
+  /// A direction in which the potential falls, though its Hessian is indefinite; "" or why there is
+  /// none.
+  [[nodiscard]] std::string projected_direction(System& system, const State& state) {
+    system.evaluate_with_tangent(state, Tangent::projected);
+    std::string reason = factor_with_shift(system);
+    if (reason.empty()) system.solve_tangent(residual_, direction_);
+    return reason;
   }
 
   /// The projected tangent may be singular (a flat sheet without tension does not resist bending
@@ -176,99 +200,80 @@ class Static final : public Integrator {
     return reason;
   }
 
-  /// By long steps first; where these lead nowhere, by such as lower the potential.
-  [[nodiscard]] Outcome find_equilibrium(System& system, State& state, double lambda) {
-    State bold = state;
-    if (go_by_long_steps(system, bold, lambda)) {
-      state = bold;
-      return accept(system);
-    }
-    return solve(system, state, lambda);
-  }
-
-  /// Newton's method without line search, with the stress that the last step foresaw in its
-  /// tangent, if there is one. Gives up when it goes astray.
-  [[nodiscard]] bool go_by_long_steps(System& system, State& state, double lambda) {
+  [[nodiscard]] Outcome iterate(System& system, State& state, double lambda, Steps steps) {
+    const std::int64_t most = steps == Steps::newton
+                                  ? std::min<std::int64_t>(kMostLongSteps, parameters_.iterations)
+                                  : parameters_.iterations;
     state.time = end_;
     place_prescribed(system, state, lambda);
-    StepReport& report = system.step_report();
-    report.residuals.clear();
-    NodeVectors before = state.r;
-    double last_move = kInfinity;
-    for (int i = 0; i <= kMostLongSteps; ++i) {
-      if (has_potential_) {
-        system.evaluate_with_tangent(state, Tangent::foreseen, i == 0 ? nullptr : &before);
-      } else {
-        system.evaluate(state);
-      }
+    system.step_report().residuals.clear();
+    NodeVectors before;
+    double moved = kInfinity;  // by the last step [m]
+    for (std::int64_t i = 0;; ++i) {
+      evaluate(system, state, steps, before);
       const double norm = residual_norm(system, lambda);
       if (i == 0) start_residual_ = norm;
-      report.residual = scale_ > 0 ? norm / scale_ : 0;
-      report.residuals.push_back(report.residual);
-      log::debug("static: long step " + std::to_string(i) + ", residual " +
-                 scientific(report.residual));
-      if (report.residual <= parameters_.tolerance) return true;
-      if (last_move <= kRoundingOfPositions * size_) return report.residual <= kRoundingOfForces;
-      if (i == kMostLongSteps || !std::isfinite(norm)) return false;
-      ++report.iterations;
-      if (!find_long_step(system, state)) return false;
-      last_move = direction_.rowwise().norm().maxCoeff();
-      if (!(last_move <= 2 * size_)) return false;
-      before = state.r;
-      state.r += direction_;
-    }
-    return false;
-  }
-
-  [[nodiscard]] bool find_long_step(System& system, const State& state) {
-    if (!has_potential_) return find_direction(system, state).empty();
-    if (!system.factor_tangent(zero_).empty()) return false;
-    system.solve_tangent(residual_, direction_);
-    return true;
-  }
-
-  [[nodiscard]] Outcome solve(System& system, State& state, double lambda) {
-    state.time = end_;
-    place_prescribed(system, state, lambda);
-    StepReport& report = system.step_report();
-    report.residuals.clear();
-    double last_move = kInfinity;
-    for (std::int64_t i = 0; i <= parameters_.iterations; ++i) {
-      if (has_potential_) {
-        system.evaluate_with_tangent(state, Tangent::exact);
-      } else {
-        system.evaluate(state);
-      }
-      const double norm = residual_norm(system, lambda);
-      if (i == 0) start_residual_ = norm;
-      report.residual = scale_ > 0 ? norm / scale_ : 0;
-      report.residuals.push_back(report.residual);
-      log::debug("static: iteration " + std::to_string(i) + ", residual " +
-                 scientific(report.residual));
-      const bool is_still = last_move <= kRoundingOfPositions * size_;
-      if (report.residual <= parameters_.tolerance ||
-          (is_still && report.residual <= kRoundingOfForces))
+      const double relative = report(system, norm, i);
+      const bool is_still = moved <= kRoundingOfPositions * size_;
+      if (relative <= parameters_.tolerance || (is_still && relative <= kRoundingOfForces))
         return accept(system);
-      if (i == parameters_.iterations) break;
-      ++report.iterations;
-      const std::string reason = find_direction(system, state);
-      if (!reason.empty()) return {false, "no direction of descent (" + reason + ")"};
-      last_move = search(system, state, lambda, norm);
-      if (last_move == 0) {
-        if (report.residual <= kRoundingOfForces) return accept(system);
-        return {false, "no step along the direction found comes closer to equilibrium"};
+      if (i == most || !std::isfinite(norm))
+        return {false,
+                std::to_string(i) + " iterations leave a residual of " + scientific(relative)};
+      ++system.step_report().iterations;
+
+      std::string reason = newton_direction(system, state);
+      const double longest = reason.empty() ? direction_.rowwise().norm().maxCoeff() : 0;
+      // What is left over is the forces' rounding: the residual is relative to next to nothing.
+      if (reason.empty() && longest <= kRoundingOfPositions * size_)
+        return accept(system, kOfTheSameKind * norm);
+      if (steps == Steps::newton) {
+        if (reason.empty() && !(longest <= 2 * size_)) reason = "it leads out of all bounds";
+        if (!reason.empty()) return {false, "no Newton step (" + reason + ")"};
+        before = state.r;
+        state.r += direction_;
+        moved = longest;
+        continue;
       }
+      if (!reason.empty() && has_potential_) reason = projected_direction(system, state);
+      if (!reason.empty()) return {false, "no direction of descent (" + reason + ")"};
+      moved = search(system, state, lambda, norm);
+      if (moved > 0) continue;
+      system.evaluate(state);  // the search has left the forces of another state
+      if (relative <= kRoundingOfForces) return accept(system);
+      return {false, "no step along the direction found comes closer to equilibrium"};
     }
-    return {false, std::to_string(parameters_.iterations) + " iterations leave a residual of " +
-                       scientific(report.residual)};
   }
 
-  /// A surface that nothing holds has an equilibrium only if its loads balance.
-  [[nodiscard]] Outcome accept(const System& system) {
+  /// `before`: positions before the last whole step; empty where there was none.
+  void evaluate(System& system, const State& state, Steps steps, const NodeVectors& before) const {
+    if (!has_potential_) {
+      system.evaluate(state);
+    } else if (steps == Steps::newton && before.size() > 0) {
+      system.evaluate_with_tangent(state, Tangent::foreseen, &before);
+    } else {
+      system.evaluate_with_tangent(state, Tangent::exact);
+    }
+  }
+
+  /// The residual relative to the forces at work, also in the report and the log.
+  [[nodiscard]] double report(System& system, double norm, std::int64_t iteration) const {
+    StepReport& report = system.step_report();
+    report.residual = scale_ > 0 ? norm / scale_ : 0;
+    report.residuals.push_back(report.residual);
+    log::debug("static: iteration " + std::to_string(iteration) + ", residual " +
+               scientific(report.residual));
+    return report.residual;
+  }
+
+  /// A surface that nothing holds has an equilibrium only if its loads balance, to the rounding of
+  /// the forces at work, or to what is known to be rounding [N].
+  [[nodiscard]] Outcome accept(const System& system, double rounding = 0) const {
+    const double limit = std::max(kRoundingOfForces * scale_, rounding);
     NodeVectors left = system.force();
     system.reduce_force(left);
     for (const Freedom& f : held_)
-      if (std::abs(left(f.node, f.component)) > kRoundingOfForces * scale_)
+      if (std::abs(left(f.node, f.component)) > limit)
         throw Error(ExitCode::diverged,
                     "nothing holds the surface, and its loads do not balance: " +
                         std::to_string(held_.size()) +
@@ -278,7 +283,7 @@ class Static final : public Integrator {
   }
 
   /// Goes along the direction as far as it helps; returns how far the farthest node moved [m].
-  double search(System& system, State& state, double lambda, double norm) {
+  [[nodiscard]] double search(System& system, State& state, double lambda, double norm) {
     const double before = has_potential_ ? merit(system, state, lambda) : norm;
     const double slope = has_potential_ ? -residual_.cwiseProduct(direction_).sum() : -norm;
     const double rounding = 1e-14 * std::abs(before);
@@ -293,16 +298,12 @@ class Static final : public Integrator {
         return s * longest;
       }
     }
-    return finish(system, state, trial, lambda, norm) ? longest : 0;
-  }
-
-  /// Close to the end the potential changes by less than its rounding: the residual goes on.
-  bool finish(System& system, State& state, State& trial, double lambda, double norm) {
+    // Close to the end the potential changes by less than its rounding: the residual goes on.
     trial.r = state.r + direction_;
     system.evaluate(trial);
-    if (!(residual_norm(system, lambda) < 0.5 * norm)) return false;
+    if (!(residual_norm(system, lambda) < 0.5 * norm)) return 0;
     state.r = trial.r;
-    return true;
+    return longest;
   }
 
   /// K Δr = f0 with what moves as it is told on the other side: at first order in it.
@@ -311,25 +312,17 @@ class Static final : public Integrator {
     for (int c = 0; c < 3; ++c)
       for (Index a = 0; a < moved.rows(); ++a)
         if (!system.reduction().prescribed(a, c)) moved(a, c) = 0;
+    residual_ = first_force_;
     if (has_potential_) {
       system.evaluate_with_tangent(state, Tangent::exact);
       NodeVectors product;
       system.tangent().multiply(moved, product);
-      residual_ = first_force_ - product;
+      residual_ -= product;
     } else if (!moved.isZero(0)) {
       throw InputError(
           "'linear' with moved constraints takes energies and forces with a potential");
-    } else {
-      system.evaluate(state);
-      residual_ = first_force_;
     }
-    std::string reason;
-    if (has_potential_) {
-      reason = system.factor_tangent(zero_);
-      if (reason.empty()) system.solve_tangent(residual_, direction_);
-    } else {
-      reason = find_direction(system, state);
-    }
+    const std::string reason = newton_direction(system, state);
     if (!reason.empty())
       throw Error(ExitCode::diverged,
                   "linear statics has no solution: the tangent at the beginning is not positive "

@@ -112,8 +112,8 @@ void TupleTerm::tangent(const TupleBlock& block, Tangent kind, Values h) const {
     }
     return f;
   };
+  NodeVectors moved = *block.now;
   for (Index t = 0; t < block.size; ++t) {
-    NodeVectors moved = *block.now;
     const TupleBlock one{.first = block.first + t,
                          .size = 1,
                          .width = w,

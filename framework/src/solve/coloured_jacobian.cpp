@@ -18,21 +18,11 @@ ColouredJacobian::ColouredJacobian(const ReductionMap& map,
                                    const std::vector<std::vector<std::int32_t>>& dependence,
                                    const std::vector<Freedom>& held,
                                    SolverQueue::MakeSolvers make_solvers)
-    : map_(&map), make_solvers_(std::move(make_solvers)) {
-  const Index nodes = map.reduction().nodes();
-  number_.assign(static_cast<std::size_t>(3 * nodes), -1);
-  for (Index a = 0; a < nodes; ++a)
-    for (int c = 0; c < 3; ++c) {
-      const Freedom freedom{a, c};
-      if (!map.reduction().free(a, c) || std::ranges::find(held, freedom) != held.end()) continue;
-      number_[static_cast<std::size_t>(3 * a + c)] = static_cast<Index>(freedom_of_.size());
-      freedom_of_.push_back(freedom);
-    }
+    : map_(&map), unknowns_(map, held), make_solvers_(std::move(make_solvers)) {
   make_pattern(dependence);
   make_colours();
-  const auto unknowns = static_cast<Index>(freedom_of_.size());
-  rhs_.resize(unknowns, 1);
-  solution_.resize(unknowns, 1);
+  rhs_.resize(unknowns_.size(), 1);
+  solution_.resize(unknowns_.size(), 1);
 }
 
 /// Row p, column q where the reduced force on p depends on q, through ties on either side; made
@@ -41,14 +31,14 @@ void ColouredJacobian::make_pattern(const std::vector<std::vector<std::int32_t>>
   const auto unknowns_of = [&](Index node) {
     std::vector<Index> unknowns;
     for (int c = 0; c < 3; ++c)
-      for (const Tie::Part& part : map_->row({node, c}))
-        if (const Index q = number(part.of); q >= 0) unknowns.push_back(q);
+      for (const ReducedMatrix::Part& part : unknowns_.row({node, c}))
+        unknowns.push_back(part.unknown);
     return unknowns;
   };
   std::vector<std::vector<Index>> of_node;
   for (std::size_t a = 0; a < dependence.size(); ++a)
     of_node.push_back(unknowns_of(static_cast<Index>(a)));
-  PatternBuilder pattern(static_cast<Index>(freedom_of_.size()));
+  PatternBuilder pattern(unknowns_.size());
   for (std::size_t a = 0; a < dependence.size(); ++a)
     for (const std::int32_t b : dependence[a])
       for (const Index p : of_node[a])
@@ -85,7 +75,7 @@ void ColouredJacobian::differentiate(const NodeVectors& r, const ForceAt& force_
   for (const std::vector<Index>& colour : colours_) {
     direction.setZero();
     for (const Index q : colour) {
-      const Freedom& f = freedom_of_[static_cast<std::size_t>(q)];
+      const Freedom& f = unknowns_[q];
       direction(f.node, f.component) = step;
     }
     map_->complete_changes(direction);
@@ -103,7 +93,7 @@ void ColouredJacobian::differentiate(const NodeVectors& r, const ForceAt& force_
             jacobian_.column.begin() + jacobian_.row_begin[static_cast<std::size_t>(p) + 1];
         const auto place =
             std::lower_bound(begin, end, static_cast<std::int32_t>(q)) - jacobian_.column.begin();
-        const Freedom& f = freedom_of_[static_cast<std::size_t>(p)];
+        const Freedom& f = unknowns_[p];
         jacobian_.value[static_cast<std::size_t>(place)] = change(f.node, f.component);
       }
   }
@@ -113,29 +103,23 @@ std::string ColouredJacobian::factor(const NodeValues& d) {
   if (!solvers_)
     solvers_.emplace(make_solvers_, MatrixTraits{.size = jacobian_.size, .symmetric = false});
   shifted_ = jacobian_;
-  for (std::size_t q = 0; q < freedom_of_.size(); ++q) {
+  for (std::size_t q = 0; q < static_cast<std::size_t>(unknowns_.size()); ++q) {
     const auto begin = shifted_.column.begin() + shifted_.row_begin[q];
     const auto end = shifted_.column.begin() + shifted_.row_begin[q + 1];
     const auto place =
         std::lower_bound(begin, end, static_cast<std::int32_t>(q)) - shifted_.column.begin();
-    shifted_.value[static_cast<std::size_t>(place)] += d[freedom_of_[q].node];
+    shifted_.value[static_cast<std::size_t>(place)] += d[unknowns_[static_cast<Index>(q)].node];
   }
   return solvers_->factor(shifted_);
 }
 
 void ColouredJacobian::solve(const NodeVectors& b, NodeVectors& x) {
-  residual_ = b;
-  map_->transpose(residual_);
-  for (std::size_t q = 0; q < freedom_of_.size(); ++q)
-    rhs_(static_cast<Index>(q), 0) = residual_(freedom_of_[q].node, freedom_of_[q].component);
+  rhs_.col(0) = unknowns_.reduced(b);
   solvers_->solve(rhs_, solution_);
   if (const Index q = first_not_finite(solution_); q >= 0 && rhs_.allFinite())
     throw NotFinite("the solution of " + solvers_->in_use().origin + " is not finite",
-                    freedom_of_[static_cast<std::size_t>(q)].node, solvers_->in_use().name);
-  x.setZero(b.rows(), 3);
-  for (std::size_t q = 0; q < freedom_of_.size(); ++q)
-    x(freedom_of_[q].node, freedom_of_[q].component) = solution_(static_cast<Index>(q), 0);
-  map_->complete_changes(x);
+                    unknowns_[q].node, solvers_->in_use().name);
+  x = unknowns_.expanded(solution_.col(0));
 }
 
 }  // namespace deform

@@ -11,6 +11,7 @@
 #include "deform/solve/system.h"
 
 #include "solve/solver_queue.h"
+#include "solve/unknowns.h"
 
 namespace deform {
 
@@ -31,19 +32,14 @@ class ColouredJacobian {
  private:
   void make_pattern(const std::vector<std::vector<std::int32_t>>& dependence);
   void make_colours();
-  [[nodiscard]] Index number(const Freedom& f) const {
-    return number_[static_cast<std::size_t>(3 * f.node + f.component)];
-  }
 
   const ReductionMap* map_;
+  Unknowns unknowns_;
   SolverQueue::MakeSolvers make_solvers_;
-  std::vector<Freedom> freedom_of_;
-  std::vector<Index> number_;  // of each degree of freedom among the unknowns, or −1
   SparseMatrix jacobian_;
   SparseMatrix shifted_;
   std::vector<std::vector<Index>> colours_;  // unknowns
   std::optional<SolverQueue> solvers_;
-  NodeVectors residual_;
   Eigen::MatrixXd rhs_, solution_;
 };
 

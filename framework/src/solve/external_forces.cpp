@@ -38,34 +38,35 @@ ExternalForces::ExternalForces(const ModelParts& parts)
   }
 }
 
-NodeBlock ExternalForces::block_of(const NodeVectors& r, const NodeVectors& v, const NodeVectors& n,
-                                   double time, Index first, Index size) const {
+ExternalForces::World ExternalForces::world_of(const State& state, const NodeVectors& normals) {
+  if (!mirrored_) return {state.time, state.r, state.v, normals};
+  reflect(state.r, r_);
+  reflect(state.v, v_);
+  reflect(normals, n_);
+  n_ *= -1;  // a normal is a pseudovector: the reflected surface's is the negative reflection
+  return {state.time, r_, v_, n_};
+}
+
+NodeBlock ExternalForces::block_of(const World& world, Index first, Index size) const {
   return {.first = first,
           .size = size,
-          .time = time,
-          .r = rows_from(r, first),
-          .v = rows_from(v, first),
-          .normal = needs_normals_ ? rows_from(n, first) : ConstVectors{},
+          .time = world.time,
+          .r = rows_from(world.r, first),
+          .v = rows_from(world.v, first),
+          .normal = needs_normals_ ? rows_from(world.normals, first) : ConstVectors{},
           .area = {areas_.data() + first, static_cast<std::size_t>(size)},
           .mass = {mass_.data() + first, static_cast<std::size_t>(size)},
-          .all_r = needs_neighbours_ ? rows_from(r, 0) : ConstVectors{},
-          .all_v = needs_neighbours_ ? rows_from(v, 0) : ConstVectors{}};
+          .all_r = needs_neighbours_ ? rows_from(world.r, 0) : ConstVectors{},
+          .all_v = needs_neighbours_ ? rows_from(world.v, 0) : ConstVectors{}};
 }
 
 /// Calls visit(force field, block of nodes) for all of both, or of one field, blocks in parallel.
 template <class Visit>
 void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals,
                                   const Named<ForceField>* only, const Visit& visit) {
-  const NodeVectors *r = &state.r, *v = &state.v, *n = &normals;
-  if (mirrored_) {
-    reflect(state.r, r_);
-    reflect(state.v, v_);
-    reflect(normals, n_);
-    n_ *= -1;  // a normal is a pseudovector: the reflected surface's is the negative reflection
-    r = &r_, v = &v_, n = &n_;
-  }
+  const World world = world_of(state, normals);
   parallel_blocks(state.r.rows(), kBlock, [&](Index first, Index size) {
-    const NodeBlock block = block_of(*r, *v, *n, state.time, first, size);
+    const NodeBlock block = block_of(world, first, size);
     for (std::size_t i = 0; i < forces_.size(); ++i)
       if (only == nullptr || only == &forces_[i])
         guarded(forces_[i].origin, "computing its force",
@@ -101,15 +102,8 @@ void ExternalForces::add_tangent(const State& state, const NodeVectors& normals,
 
 void ExternalForces::add_exact_tangent(const State& state, const NodeVectors& normals,
                                        BlockMatrix& k) {
-  const NodeVectors *r = &state.r, *v = &state.v, *n = &normals;
-  if (mirrored_) {
-    reflect(state.r, r_);
-    reflect(state.v, v_);
-    reflect(normals, n_);
-    n_ *= -1;
-    r = &r_, v = &v_, n = &n_;
-  }
-  const NodeBlock nodes = block_of(*r, *v, *n, state.time, 0, state.r.rows());
+  const World world = world_of(state, normals);
+  const NodeBlock nodes = block_of(world, 0, state.r.rows());
   const Vec3 reflection(1, 1, mirrored_ ? -1 : 1);
   for (std::size_t i = 0; i < forces_.size(); ++i) {
     if (pairs_[i].empty()) continue;

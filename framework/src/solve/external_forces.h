@@ -48,8 +48,13 @@ class ExternalForces {
   void visit_blocks(const State& state, const NodeVectors& normals, const Named<ForceField>* only,
                     const Visit& visit);
 
-  [[nodiscard]] NodeBlock block_of(const NodeVectors& r, const NodeVectors& v, const NodeVectors& n,
-                                   double time, Index first, Index size) const;
+  /// What the fields see, reflected in a mirrored run; a view.
+  struct World {
+    double time;
+    const NodeVectors &r, &v, &normals;
+  };
+  [[nodiscard]] World world_of(const State& state, const NodeVectors& normals);
+  [[nodiscard]] NodeBlock block_of(const World& world, Index first, Index size) const;
 
   const std::vector<Named<ForceField>> forces_;
   std::vector<ForceTraits> traits_;

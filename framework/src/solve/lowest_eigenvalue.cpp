@@ -53,21 +53,21 @@ class Shifted {
   Eigen::SimplicialLDLT<Columns, Eigen::Lower, Eigen::AMDOrdering<std::int32_t>> ldlt_;
 };
 
-struct Pair {
+struct Mode {
   double value;
   Eigen::VectorXd vector;
 };
 
 /// The eigenvalue of (K − σM)⁻¹ M that is largest in size, as one of K x = λ M x: the nearest to σ.
 /// Lanczos with full orthogonalisation in the product of M.
-Pair nearest(const Shifted& a, const Eigen::VectorXd& m, double sigma) {
+Mode nearest(const Shifted& a, const Eigen::VectorXd& m, double sigma) {
   const Index n = m.size();
   std::minstd_rand random(1);
   std::uniform_real_distribution<double> uniform(-1, 1);
   Eigen::VectorXd q = Eigen::VectorXd::NullaryExpr(n, [&] { return uniform(random); });
   std::vector<Eigen::VectorXd> basis;
   std::vector<double> alpha, beta;
-  Pair best{sigma, q};
+  Mode best{sigma, q};
   double last = 0;
   for (int k = 0; k < std::min<Index>(kMostVectors, n); ++k) {
     q /= std::sqrt(q.dot(m.cwiseProduct(q)));
@@ -111,7 +111,7 @@ LowestEigenvalue lowest_eigenvalue(const SparseMatrix& k, const Eigen::VectorXd&
   Shifted shifted(k, m);
   double sigma = 0;
   const Index negative = shifted.factor(sigma);
-  Pair lowest = nearest(shifted, m, sigma);
+  Mode lowest = nearest(shifted, m, sigma);
   // With negative ones about, the nearest to 0 need not be the lowest: from below all of them.
   double reach = std::max(std::abs(lowest.value), 1e-12 * shifted.scale());
   while (negative > 0) {

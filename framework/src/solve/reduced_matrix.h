@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "deform/solve/sparse_matrix.h"
+#include "deform/types.h"
 
 namespace deform {
 
@@ -23,25 +24,27 @@ class ReducedMatrix {
   /// Calls a Visit for each entry of A, diagonal entries included, always in the same order.
   using VisitEntries = std::function<void(const Visit&)>;
 
-  ReducedMatrix(Index unknowns, const Rows& rows, const VisitEntries& visit_entries);
+  /// `components`: degrees of freedom a node, one after another.
+  ReducedMatrix(Index unknowns, const Rows& rows, Index components,
+                const VisitEntries& visit_entries);
 
-  /// The values of Tᵀ(A + diag(d))T; d has one number a degree of freedom.
-  void fill(const std::vector<double>& values, const std::function<double(Index)>& d);
+  /// The values of Tᵀ(A + diag(d))T; d (N) is the same for all components of a node.
+  void fill(const std::vector<double>& values, const NodeValues& d);
   [[nodiscard]] const SparseMatrix& matrix() const { return matrix_; }
 
  private:
   struct Extra {
     std::int32_t target = 0;
-    Index source = 0;  // place of A's value, or degree of freedom of d
+    std::int32_t source = 0;  // place of A's value, or node of d
     double coefficient = 0;
   };
   void make_pattern(Index unknowns, const Rows& rows, const VisitEntries& visit_entries);
   [[nodiscard]] std::int32_t place_of(Index row, Index column) const;
 
   SparseMatrix matrix_;
-  std::vector<Index> source_;                // place of A's value, of each value; −1 for none
+  std::vector<std::int32_t> source_;         // place of A's value, of each value; −1 for none
   std::vector<std::int32_t> diagonal_;       // place of the diagonal value of each unknown …
-  std::vector<Index> freedom_;               // … and the degree of freedom that it is
+  std::vector<std::int32_t> node_;           // … and its node
   std::vector<Extra> tied_, tied_diagonal_;  // what ties add
 };
 

@@ -72,7 +72,7 @@ void ReducedSolver::make_group(Group& group, const SparseMatrix& pattern) const 
       rows[static_cast<std::size_t>(a)].push_back(
           {number[static_cast<std::size_t>(part.of.node)], part.coefficient});
   const auto unknowns = static_cast<Index>(group.free.size());
-  group.matrix.emplace(unknowns, rows, [&](const ReducedMatrix::Visit& visit) {
+  group.matrix.emplace(unknowns, rows, 1, [&](const ReducedMatrix::Visit& visit) {
     for (Index a = 0; a < pattern.size; ++a)
       for (std::int32_t p = pattern.row_begin[static_cast<std::size_t>(a)];
            p < pattern.row_begin[static_cast<std::size_t>(a) + 1]; ++p)
@@ -84,7 +84,7 @@ void ReducedSolver::make_group(Group& group, const SparseMatrix& pattern) const 
 }
 
 void ReducedSolver::factor(Group& group, const SparseMatrix& k, const NodeValues& d) {
-  group.matrix->fill(k.value, [&](Index node) { return d[node]; });
+  group.matrix->fill(k.value, d);
   const std::string reasons = group.solvers->factor(group.matrix->matrix());
   if (!reasons.empty())
     throw Error(ExitCode::diverged,

@@ -13,14 +13,14 @@
 
 namespace deform {
 
-System::Impl::Impl(ModelParts p)
-    : parts(std::move(p)), reduction(parts.surface->nodes()), external(parts) {
+System::Impl::Impl(ModelParts p) : parts(std::move(p)), external(parts) {
+  Reduction reduction(parts.surface->nodes());
   const Index n = parts.surface->nodes();
   for (const auto& c : parts.constraints)
     guarded(c.origin, "saying what it holds", [&] { c.object->reduce(reduction); });
   map.emplace(reduction);
   if (parts.mirrored) map->reflect();
-  contacts.emplace(parts.bodies, parts.mirrored, reduction);
+  contacts.emplace(parts.bodies, parts.mirrored, map->reduction());
   force = NodeVectors::Zero(n, 3);
   normals = NodeVectors::Zero(n, 3);
   force_stiffness = force_damping = NodeValues::Zero(n);
@@ -144,7 +144,7 @@ const Surface& System::surface() const { return *impl_->parts.surface; }
 const NodeVectors& System::rest() const { return impl_->parts.rest; }
 const NodeValues& System::mass() const { return impl_->parts.mass; }
 const NodeValues& System::damping() const { return impl_->parts.damping; }
-const Reduction& System::reduction() const { return impl_->reduction; }
+const Reduction& System::reduction() const { return impl_->map->reduction(); }
 const std::vector<Named<EnergyTerm>>& System::energies() const { return impl_->parts.energies; }
 const NodeVectors& System::force() const { return impl_->force; }
 const NodeValues& System::force_damping() const { return impl_->force_damping; }
@@ -282,7 +282,7 @@ void System::prescribe(double time, NodeVectors& r) const {
   if (impl_->parts.mirrored) r.col(2) *= -1;
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < r.rows(); ++a)
-      if (!std::isfinite(r(a, c)) && impl_->reduction.prescribed(a, c))
+      if (!std::isfinite(r(a, c)) && impl_->map->reduction().prescribed(a, c))
         throw_prescribed_not_finite(time, a);
   impl_->map->complete_positions(r);
 }
@@ -300,7 +300,8 @@ void System::constrain(const NodeVectors& before, double step, State& after) con
   prescribe(after.time, after.r);
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < before.rows(); ++a)
-      if (!impl_->reduction.free(a, c)) after.v(a, c) = (after.r(a, c) - before(a, c)) / step;
+      if (!impl_->map->reduction().free(a, c))
+        after.v(a, c) = (after.r(a, c) - before(a, c)) / step;
 }
 
 void System::collide(const NodeVectors& before, double step, State& after) {

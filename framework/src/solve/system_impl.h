@@ -50,9 +50,8 @@ struct System::Impl {
   [[nodiscard]] bool operator_is_finite() const;
 
   ModelParts parts;
-  std::vector<TermTraits> traits;  // of the energies
-  Reduction reduction;
-  std::optional<ReductionMap> map;  // made when the reduction is known
+  std::vector<TermTraits> traits;   // of the energies
+  std::optional<ReductionMap> map;  // made when the constraints have said what they hold
   std::vector<SetPart> sets;
   std::vector<TupleAssembler> tuples;
   ExternalForces external;

@@ -38,8 +38,7 @@ void System::Impl::make_tangent_pattern() {
 
 void System::Impl::make_tangent_solver() {
   if (tangent_solver) return;
-  tangent_solver.emplace(*map, tangent, parts.make_solvers);
-  if (!held_freedoms.empty()) tangent_solver->hold(held_freedoms);
+  tangent_solver.emplace(*map, tangent, held_freedoms, parts.make_solvers);
 }
 
 const BlockMatrix& System::tangent() const { return impl_->tangent; }
@@ -107,25 +106,19 @@ void System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
   impl_->tangent_solver->solve(b, x);
 }
 
-void System::apply_tangent(const NodeValues& d, const NodeVectors& x, NodeVectors& y) const {
-  impl_->tangent.multiply(x, y);
-  y += d.asDiagonal() * x;
-  impl_->map->transpose(y);
-}
-
 System::Stability System::stability() {
   impl_->make_tangent_solver();
   const NodeValues zero = NodeValues::Zero(nodes());
   // Lumped masses of what is free: the row sums of TᵀMT.
   NodeVectors mass(nodes(), 3);
   for (int c = 0; c < 3; ++c) mass.col(c) = impl_->parts.mass;
-  impl_->map->transpose(mass);
-  const Eigen::VectorXd m = impl_->tangent_solver->gathered(mass);
+  const Unknowns& unknowns = impl_->tangent_solver->unknowns();
+  const Eigen::VectorXd m = unknowns.reduced(mass);
   const LowestEigenvalue lowest =
       lowest_eigenvalue(impl_->tangent_solver->reduced(impl_->tangent, zero), m);
   return {lowest.value, lowest.negative,
           lowest.vector.size() == 0 ? NodeVectors(NodeVectors::Zero(nodes(), 3))
-                                    : impl_->tangent_solver->expanded(lowest.vector)};
+                                    : unknowns.expanded(lowest.vector)};
 }
 
 std::vector<Freedom> System::hold_rigid_motions(const NodeVectors& r) {

@@ -53,7 +53,6 @@ class DEFORM_API QuadraticTerm : public JetTerm {
   /// Whether C is diagonal everywhere: the lagged operator then couples fewer nodes.
   [[nodiscard]] virtual bool is_diagonal() const { return false; }
 
-  [[nodiscard]] Form form() const { return form_; }
   [[nodiscard]] SampleRole role() const override {
     return form_ == Form::metric ? SampleRole::membrane : SampleRole::bending;
   }

@@ -138,8 +138,6 @@ class DEFORM_API System {
   /// Solves with that factor: x = T y, Tᵀ(K + diag(d))T y = Tᵀb; b and x (N × 3). Prescribed
   /// components of x are 0.
   void solve_tangent(const NodeVectors& b, NodeVectors& x);
-  /// Tᵀ(K + diag(d))T x for changes x (N × 3) that the constraints allow.
-  void apply_tangent(const NodeValues& d, const NodeVectors& x, NodeVectors& y) const;
   /// The lowest eigenvalue of K x = λ M x on what is free, with K the tangent of the last
   /// evaluate_with_tangent [1/s²]; how many are negative; and its x (N × 3).
   struct Stability {
