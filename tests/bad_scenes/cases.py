@@ -174,7 +174,13 @@ bad("nodes_has_three", {"/surface/nodes": [9, 9, 9]}, "at /surface/nodes", "[who
 bad("nodes_not_whole", {"/surface/nodes": [9, 9.5]}, "at /surface/nodes/1", "whole number >= 3")
 bad("nodes_is_text", {"/surface/nodes": ["9", 9]}, "at /surface/nodes/0", "whole number >= 3")
 bad("velocity_has_two", {"/velocity": [0, 1]}, "at /velocity", "[x, y, z]")
-bad("velocity_of_text", {"/velocity": [0, 0, "1"]}, "at /velocity/2", "expected number")
+bad("velocity_of_flag", {"/velocity": [0, 0, True]}, "at /velocity/2", "expected number or formula")
+bad("velocity_is_null", {"/velocity": None}, "at /velocity", "or {\"linear\", \"spin\", \"about\"}")
+bad("velocity_misspelt", {"/velocity": {"linaer": [0, 0, 1]}}, "at /velocity/linaer",
+    'velocity has no "linaer"', "linear")
+bad("spin_of_formula", {"/velocity": {"spin": [0, 0, "a1"]}}, "at /velocity/spin/2",
+    "expected number [rad/s]")
+bad("about_is_text", {"/velocity": {"about": "centre"}}, "at /velocity/about", "[x, y, z] [m]")
 bad("force_is_number", {"/forces/0/force": -0.01}, "at /forces/0/force", "[x, y, z]")
 bad("components_is_text", {"/constraints/0/components": "x"}, "at /constraints/0/components",
     'list of texts, one of "x", "y", "z"')
@@ -350,6 +356,10 @@ bad("patch_over_the_pole", {"/surface/rest": {"plugin": "sphere_patch", "radius"
     "at /surface/rest", "a sphere of radius", beyond="shapes")
 bad("formula_with_unknown_name", {"/surface/rest": {"plugin": "formula", "z": "sin(b1)"}},
     "at /surface/rest/z", 'there is no "b1"', "a1", beyond="formulas")
+bad("velocity_with_unknown_name", {"/velocity": [0, "b1", 0]}, "at /velocity/1",
+    'there is no "b1"', "a1", beyond="formulas")
+bad("velocity_not_finite", {"/velocity": {"linear": [0, 0, "1/a1"]}}, "at /velocity/linear/2",
+    "is inf at a1 = 0", beyond="formulas")
 bad("formula_that_ends_early", {"/surface/rest": {"plugin": "formula", "z": "2*("}},
     "at /surface/rest/z", "expected a formula of a1, a2", beyond="formulas")
 bad("formula_not_finite", {"/surface/rest": {"plugin": "formula", "z": "1/a1"}},
@@ -543,6 +553,10 @@ GOOD.update({
     "patch": {"/surface/rest": {"plugin": "sphere_patch", "radius": 2}},
     "all_sections": {"/title": "all", "/velocity": [0, 0, 1], "/limits": {"distance": 5},
                      "/$schema": "../scene.schema.json"},
+    "velocity_of_formulas": {"/velocity": [0, "a1", "sin(pi*a2)"]},
+    "velocity_with_spin": {"/velocity": {"linear": [0, "0.1*a1", 1], "spin": [0, 0, 2],
+                                         "about": [0.5, 0.5, 0]}},
+    "velocity_in_variants": {"/variants": {"a": {"/velocity": {"spin": [0, 0, 1]}}}},
     "variants": {"/variants": {"a": {}, "b-1e-6=+.": {"/energies/1/normal": "exact",
                                                       "/energies/1/form": "divergence",
                                                       "/material": {"density": 1},

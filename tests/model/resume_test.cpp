@@ -39,7 +39,8 @@ const std::string kScene = R"({
   "outputs": [{"plugin": "vtk", "every": 5}, {"plugin": "obj", "every": 7},
               {"plugin": "one_file", "every": 3}],
   "probes": ["energy", {"plugin": "lowest", "every": 4}, {"plugin": "mirror_asymmetry", "every": 3},
-             {"plugin": "normal_error", "every": 2}]
+             {"plugin": "normal_error", "every": 2}, {"plugin": "energy_balance", "every": 3},
+             "momentum"]
 })";
 
 std::string content_of(const fs::path& file) {

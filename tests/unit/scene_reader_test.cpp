@@ -111,7 +111,12 @@ TEST(SceneReader, ReadsTheWholeScene) {
   EXPECT_EQ(scene.probes[1].use.name, "lowest");
   EXPECT_EQ(scene.probes[1].use.pointer, "/probes/1");
   EXPECT_EQ(scene.probes[1].every, 1);
-  EXPECT_EQ(scene.velocity, Vec3(0, 0, 0));
+  for (const Field& component : scene.velocity.linear) {
+    EXPECT_TRUE(component.is_constant());
+    EXPECT_EQ(component.constant(), 0);
+  }
+  EXPECT_EQ(scene.velocity.spin, Vec3(0, 0, 0));
+  EXPECT_FALSE(scene.velocity.about.has_value());
   EXPECT_EQ(scene.max_distance, 10);
   EXPECT_THAT(scene.variants, ElementsAre("terzopoulos", "stiff"));
 }
@@ -348,6 +353,59 @@ TEST(SceneReader, SaysWhatIsMissing) {
   EXPECT_THAT(messages_of("{"), ElementsAre(HasSubstr("scene.json:1:2: ")));
   EXPECT_THAT(messages_of("{\"title\": \"\", \"title\": \"\"}"),
               ElementsAre(HasSubstr("scene.json:1:15: at /title: ")));
+}
+
+TEST(SceneReader, ReadsVelocitiesAtFirst) {
+  const InitialVelocity plain = read(changed("/velocity", R"([1, "2*a1", -3])")).velocity;
+  EXPECT_EQ(plain.linear[0].constant(), 1);
+  EXPECT_EQ(plain.linear[1].source(), "2*a1");
+  EXPECT_EQ(plain.linear[2].constant(), -3);
+  EXPECT_EQ(plain.spin, Vec3(0, 0, 0));
+  const InitialVelocity turning =
+      read(changed("/velocity", R"({"spin": [1, 2, 3], "about": [4, 5, 6]})")).velocity;
+  EXPECT_EQ(turning.linear[0].constant(), 0);
+  EXPECT_EQ(turning.spin, Vec3(1, 2, 3));
+  EXPECT_EQ(turning.about, Vec3(4, 5, 6));
+}
+
+TEST(SceneReader, CompletesVelocities) {
+  const auto completed = [](const std::string& velocity) {
+    const std::string text = read(changed("/velocity", velocity)).completed;
+    EXPECT_EQ(read(text).completed, text);
+    return Json::parse(text)["velocity"];
+  };
+  EXPECT_EQ(completed(R"([1, "a1", 2.5])"), Json::parse(R"([1, "a1", 2.5])"));
+  EXPECT_EQ(completed("{}"),
+            Json::parse(R"({"linear": [0.0, 0.0, 0.0], "spin": [0.0, 0.0, 0.0]})"));
+  EXPECT_EQ(completed(R"({"about": [1, 2, 3], "spin": [0, 0, 1]})"),
+            Json::parse(R"({"about": [1, 2, 3], "spin": [0, 0, 1], "linear": [0.0, 0.0, 0.0]})"));
+}
+
+TEST(SceneReader, RejectsVelocities) {
+  const auto says = [](const std::string& velocity, const std::string& what) {
+    const auto found = messages_of(changed("/velocity", velocity));
+    ASSERT_EQ(found.size(), 1U) << velocity;
+    EXPECT_THAT(found[0], HasSubstr(what)) << velocity;
+  };
+  says("3",
+       "at /velocity: found 3, expected [x, y, z] of numbers and formulas [m/s], or {\"linear\"");
+  says("[1, 2]", "at /velocity: found [1,2], expected [x, y, z] of numbers and formulas [m/s]");
+  says("[1, 2, true]", "at /velocity/2: found true, expected number or formula [m/s]");
+  says(R"([1, "b1", 2])", "at /velocity/1: ");
+  says(R"([1, "b1", 2])", "there is no \"b1\"");
+  says(R"({"linear": [0, null, 0]})", "at /velocity/linear/1: found null, expected number or");
+  says(R"({"spin": 2})", "at /velocity/spin: found 2, expected [x, y, z] [rad/s]");
+  says(R"({"spin": ["a1", 0, 0]})", "at /velocity/spin/0: found \"a1\", expected number [rad/s]");
+  says(R"({"about": [0, 0]})", "at /velocity/about: found [0,0], expected [x, y, z] [m]");
+  says(R"({"spinn": [0, 0, 1]})", "at /velocity/spinn: velocity has no \"spinn\"; did you mean");
+  EXPECT_EQ(messages_of(changed("/velocity", R"({"linear": 1, "spin": 2, "about": 3})")).size(),
+            3U);
+}
+
+TEST(SceneReader, ANullVelocityIsNone) {
+  const std::string text = R"({"surface": {"plugin": "grid", "nodes": [3, 4]}, "duration": 1,
+    "integrator": {"plugin": "semi_implicit", "step": 0.1}, "velocity": null})";
+  EXPECT_THAT(messages_of(text), ElementsAre(HasSubstr("at /velocity: found null, expected [x")));
 }
 
 TEST(SceneReader, ADurationIsAtLeastOneStep) {

@@ -12,6 +12,7 @@
 #include "scene/scene_rules.h"
 #include "scene/value_json.h"
 #include "scene/value_reader.h"
+#include "scene/velocity_reader.h"
 
 namespace deform {
 namespace {
@@ -90,6 +91,8 @@ class SectionReader {
         return reader_.member(json_, section.fields.front(), "", values_);
       case Form::object:
         return read_object(section);
+      case Form::velocity:
+        return read_initial_velocity(section);
       case Form::plugin:
         return read_plugin(section);
       case Form::plugins:
@@ -120,6 +123,17 @@ class SectionReader {
     }
     objects_[section.key] = reader_.members(object, section.fields, pointer, section.key);
     if (!section.of_run) json_.erase(section.key);
+  }
+
+  void read_initial_velocity(const SceneSection& section) {
+    if (!json_.contains(section.key)) {
+      json_[section.key] = to_json(section.fields.front().default_value);
+    }
+    PlainReader reader(problems_);
+    if (auto velocity =
+            read_velocity(json_[section.key], section.fields, '/' + section.key, reader)) {
+      velocity_ = std::move(*velocity);
+    }
   }
 
   void read_plugin(const SceneSection& section) {
@@ -220,7 +234,7 @@ class SectionReader {
     scene.outputs = recorders("outputs");
     scene.probes = recorders("probes");
     scene.shadows = shadows_of(uses_["shadow"], scene.energies);
-    scene.velocity = values_.get<Vec3>("velocity");
+    scene.velocity = velocity_;
     scene.max_distance = objects_["limits"].get<double>("distance");
     scene.checkpoint_every = objects_["checkpoint"].get<std::int64_t>("every");
     scene.checkpoint_seconds = objects_["checkpoint"].get<double>("seconds");
@@ -268,6 +282,7 @@ class SectionReader {
   SceneProblems& problems_;
   ValueReader reader_;
   ParameterValues values_;
+  InitialVelocity velocity_;
   std::map<std::string, ParameterValues> objects_;
   std::map<std::string, std::vector<PluginUse>> uses_;
 };

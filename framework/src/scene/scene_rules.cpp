@@ -4,6 +4,7 @@
 #include "deform/simulation/scene.h"
 
 #include "plugin/fields_of.h"
+#include "scene/velocity_reader.h"
 
 namespace deform {
 namespace {
@@ -26,10 +27,14 @@ struct Duration {
   }
 };
 
-struct Velocity {
-  Vec3 velocity = Vec3::Zero();
-  static void declare(Declaration<Velocity>& d) {
-    d("velocity", &Velocity::velocity, "m/s", "of every free node at first");
+struct VelocityRules {
+  Vec3 linear = Vec3::Zero(), spin = Vec3::Zero(), about = Vec3::Zero();
+  static void declare(Declaration<VelocityRules>& d) {
+    d(kLinear, &VelocityRules::linear, "m/s",
+      "components of every free node's velocity at first, numbers or formulas of a1 and a2 [m]");
+    d(kSpin, &VelocityRules::spin, "rad/s", "adds spin × (r − about)");
+    d(kAbout, &VelocityRules::about, "m",
+      "a point of the axis; the centre of mass of the initial state when absent");
   }
 };
 
@@ -128,7 +133,7 @@ const std::vector<SceneSection>& scene_sections() {
       plugins("forces", PluginKind::force),
       plugins("constraints", PluginKind::constraint),
       plugins("colliders", PluginKind::collider),
-      value(fields_of<Velocity>()),
+      {"velocity", Form::velocity, {}, false, fields_of<VelocityRules>()},
       plugin(PluginKind::integrator, true),
       value(fields_of<Duration>()),
       plugin(PluginKind::solver, false),

@@ -13,6 +13,7 @@ struct SceneSection {
     note,      ///< text for programs that edit scenes; not kept
     value,     ///< one value, by the only field
     object,    ///< an object with the fields
+    velocity,  ///< what read_velocity reads, by the fields
     plugin,    ///< a plugin of the kind
     plugins,   ///< an array of plugins of the kind
     variants,  ///< names of variants, and what they replace
@@ -21,7 +22,7 @@ struct SceneSection {
   Form form;
   PluginKind kind{};       ///< of plugin and plugins
   bool required = false;   ///< of plugin; a value's field says it itself
-  ParameterFields fields;  ///< of value and object
+  ParameterFields fields;  ///< of value, object and velocity
   bool of_run = true;      ///< part of what is run: not so what only a comparison looks at
 };
 

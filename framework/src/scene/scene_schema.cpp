@@ -7,6 +7,7 @@
 #include "plugin/field_schema.h"
 #include "scene/json_schema.h"
 #include "scene/scene_rules.h"
+#include "scene/velocity_reader.h"
 
 namespace deform {
 namespace {
@@ -90,6 +91,8 @@ Json section_schema(const SceneSection& section) {
       return field_schema(section.fields.front(), kind_reference);
     case Form::object:
       return fields_schema({&section.fields}, kind_reference);
+    case Form::velocity:
+      return velocity_schema(section.fields);
     case Form::plugin:
       return kind_reference(section.kind);
     case Form::plugins:
@@ -117,9 +120,11 @@ Json changes_schema() {
     if (section.form == Form::plugins) {
       changes["patternProperties"]["^" + pointer + "/([0-9]+|-)$"] = kind_reference(section.kind);
     }
-    if (section.form != Form::object) continue;
+    if (section.form != Form::object && section.form != Form::velocity) continue;
     for (const ParameterField& field : section.fields) {
-      changes["properties"][pointer + '/' + field.name] = field_schema(field, kind_reference);
+      changes["properties"][pointer + '/' + field.name] = section.form == Form::object
+                                                              ? field_schema(field, kind_reference)
+                                                              : velocity_member_schema(field);
     }
   }
   return changes;

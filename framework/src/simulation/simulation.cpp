@@ -15,6 +15,7 @@
 
 #include "plugin/guard.h"
 #include "simulation/compound_terms.h"
+#include "simulation/initial_velocity.h"
 #include "simulation/memory_sections.h"
 #include "simulation/part_maker.h"
 #include "simulation/solver_uses.h"
@@ -198,11 +199,15 @@ void Simulation::Impl::set_initial_state() {
   system->prescribe(0.0, state.r);
   system->require_outside_of_colliders(state.r, 1e-6 * size);
 
-  Vec3 velocity = scene.velocity;
-  if (mirrored) velocity.z() = -velocity.z();
+  // The scene speaks of the unmirrored world, whose spin is not turned round but reflected.
+  const auto into_this_world = [this](const NodeVectors& v) { return mirrored ? reflected(v) : v; };
+  const NodeVectors velocity = into_this_world(
+      velocities_at_first(scene.velocity, surface, system->mass(), into_this_world(state.r)));
   state.v = NodeVectors::Zero(state.r.rows(), 3);
   for (int c = 0; c < 3; ++c) {
-    for (const Index node : system->reduction().free_nodes(c)) state.v(node, c) = velocity[c];
+    for (const Index node : system->reduction().free_nodes(c)) {
+      state.v(node, c) = velocity(node, c);
+    }
   }
   before = earlier = state;
   system->begin_step(state);

@@ -1,6 +1,7 @@
 /// Scenes: what a JSON file says, checked and complete.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "deform/export.h"
+#include "deform/plugin/field.h"
 #include "deform/plugin/registry.h"
 #include "deform/plugin/setup.h"
 
@@ -46,6 +48,13 @@ struct ColliderUse {
   double thickness = 0;  ///< [m]
 };
 
+/// Velocities at first: linear + spin × (r − about).
+struct InitialVelocity {
+  std::array<Field, 3> linear;  ///< x, y, z [m/s]
+  Vec3 spin = Vec3::Zero();     ///< [rad/s]
+  std::optional<Vec3> about;    ///< [m]; none: the centre of mass of the initial state
+};
+
 /// A scene with defaults filled in; every plugin that it names exists and every parameter is in
 /// range.
 struct DEFORM_API Scene {
@@ -62,7 +71,7 @@ struct DEFORM_API Scene {
   std::optional<PluginUse> solver;  ///< none: chosen by the matrix' properties
   std::vector<RecorderUse> outputs, probes;
   std::vector<ShadowUse> shadows;     ///< of each estimator, one a term that takes one
-  Vec3 velocity = Vec3::Zero();       ///< of every free node at first [m/s]
+  InitialVelocity velocity;           ///< of every free component
   double max_distance = 10;           ///< diverged beyond it, in sizes of the surface
   long checkpoint_every = 0;          ///< steps between checkpoints; 0: not by steps
   double checkpoint_seconds = 30;     ///< time between checkpoints [s]; 0: not by time
