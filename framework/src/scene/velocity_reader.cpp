@@ -100,7 +100,8 @@ std::optional<InitialVelocity> read_velocity(Json& json, const ParameterFields& 
 Json velocity_member_schema(const ParameterField& field) {
   Json schema = field_schema(field, {});
   if (field.name == kLinear) {
-    schema["items"] = Json{{"type", Json::array({"number", "string"})}};
+    schema["items"] = Json::object();
+    schema["items"]["anyOf"] = Json::array({Json{{"type", "number"}}, Json{{"type", "string"}}});
   } else if (field.name == kAbout) {
     schema.erase("default");  // it is no place that could be said
   }
