@@ -37,6 +37,10 @@ Diverged::Diverged(const std::string& reason, long step, long node, std::string 
       term_(std::move(term)) {}
 Diverged::~Diverged() = default;
 
+StepTooLong::StepTooLong(const std::string& reason, double longest)
+    : Error(ExitCode::diverged, reason), longest_(longest) {}
+StepTooLong::~StepTooLong() = default;
+
 PluginFailure::PluginFailure(const std::string& message)
     : Error(ExitCode::plugin_failed, message) {}
 PluginFailure::~PluginFailure() = default;

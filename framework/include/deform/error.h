@@ -69,6 +69,20 @@ class DEFORM_API Diverged : public Error {
   std::string term_;
 };
 
+/// A plugin asks for a shorter step than the one that is being taken: thrown by an energy, force,
+/// constraint or collider while it is evaluated. Integrators that choose their steps try again;
+/// under the others the run ends as diverged.
+class DEFORM_API StepTooLong : public Error {
+ public:
+  /// `longest`: the step to try instead [s]; 0: half of this one.
+  explicit StepTooLong(const std::string& reason, double longest = 0);
+  ~StepTooLong() override;
+  [[nodiscard]] double longest() const noexcept { return longest_; }
+
+ private:
+  double longest_;
+};
+
 /// A plugin threw, or broke its contract, while running; what() names plugin, file and cause.
 class DEFORM_API PluginFailure : public Error {
  public:

@@ -44,6 +44,7 @@ class JetBench {
     return {.now = now_.block(first, size),
             .lagged = now_.block(first, size),
             .rest = rest_.block(first, size),
+            .origin = rest_.block(first, size),
             .differences = samples_.field_differences(),
             .auxiliary = views_};
   }

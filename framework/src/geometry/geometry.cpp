@@ -52,4 +52,8 @@ void Geometry::compute(const SampleSet& samples, const NodeVectors& r) {
   });
 }
 
+void Geometry::blend(double s, const Geometry& other) {
+  for (std::size_t i = 0; i < data_.size(); ++i) data_[i] = (1 - s) * data_[i] + s * other.data_[i];
+}
+
 }  // namespace deform

@@ -11,13 +11,13 @@ namespace {
 
 using Eigen::Matrix3d;
 
-/// T_a − T⁰_a at a sample.
+/// T_a − T⁰_a at a sample, T⁰ being that of the origin.
 Vec3 change(const SampleBlock& block, Form form, Index s) {
   Vec3 x;
   for (const Pair a : kPairs) {
     const auto i = static_cast<std::size_t>(s);
-    x[slot(a)] = form == Form::metric ? block.now.G(a)[i] - block.rest.G(a)[i]
-                                      : block.now.B(a)[i] - block.rest.B(a)[i];
+    x[slot(a)] = form == Form::metric ? block.now.G(a)[i] - block.origin.G(a)[i]
+                                      : block.now.B(a)[i] - block.origin.B(a)[i];
   }
   return x;
 }
@@ -84,7 +84,10 @@ void add_curvature_tangent(const SampleBlock& block, Index s, const Matrix3d& C,
 QuadraticTerm::~QuadraticTerm() = default;
 
 TermTraits QuadraticTerm::traits() const {
-  return {.potential = true, .lagged = Lagged::symmetric, .semidefinite = form_ == Form::curvature};
+  return {.potential = true,
+          .lagged = Lagged::symmetric,
+          .semidefinite = form_ == Form::curvature,
+          .strains = true};
 }
 
 std::vector<Derivative> QuadraticTerm::dependence() const {
@@ -144,7 +147,7 @@ void QuadraticTerm::affine_stress(const SampleBlock& block, const AffineStress& 
     const Eigen::Matrix<double, kJet, kJet> rows = L.rows.transpose() * C * L.rows;
     for (const auto& [m, n, values] : k) values[static_cast<std::size_t>(s)] += rows(m, n);
     Vec3 B0;
-    for (const Pair a : kPairs) B0[slot(a)] = block.rest.B(a)[static_cast<std::size_t>(s)];
+    for (const Pair a : kPairs) B0[slot(a)] = block.origin.B(a)[static_cast<std::size_t>(s)];
     const Eigen::Matrix<double, kJet, 1> rest = L.rows.transpose() * (C * B0);
     const Vec3 n = block.lagged.n()[s];
     for (int m = 0; m < kJet; ++m) c[static_cast<std::size_t>(m)].add(s, -rest[m] * n);

@@ -12,6 +12,15 @@ struct IntegratorCommon {
   }
 };
 
+struct EnergyCommon {
+  double retardation = 0;
+  static void declare(Declaration<EnergyCommon>& d) {
+    d("retardation", &EnergyCommon::retardation, "s",
+      "damping of the material (Kelvin–Voigt): strain rates times this are resisted as strains are")
+        .at_least(0);
+  }
+};
+
 struct ColliderCommon {
   double friction = 0.3, thickness = 0;
   static void declare(Declaration<ColliderCommon>& d) {
@@ -32,10 +41,13 @@ struct RecorderCommon {
 
 const ParameterFields& common_fields(PluginKind kind) {
   static const ParameterFields none;
+  static const ParameterFields energy = fields_of<EnergyCommon>();
   static const ParameterFields integrator = fields_of<IntegratorCommon>();
   static const ParameterFields recorder = fields_of<RecorderCommon>();
   static const ParameterFields collider = fields_of<ColliderCommon>();
   switch (kind) {
+    case PluginKind::energy:
+      return energy;
     case PluginKind::collider:
       return collider;
     case PluginKind::integrator:

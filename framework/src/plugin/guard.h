@@ -24,6 +24,8 @@ decltype(auto) guarded(const std::string& origin, const char* doing, F&& f) {
     throw Diverged(diverged);
   } catch (const NotFinite& not_finite) {
     throw NotFinite(not_finite);
+  } catch (const StepTooLong& too_long) {
+    throw StepTooLong(too_long);
   } catch (const Error& error) {
     if (error.code() == ExitCode::diverged || error.code() == ExitCode::internal_error)
       throw Error(error);

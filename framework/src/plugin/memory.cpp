@@ -1,3 +1,4 @@
+#include <limits>
 #include <utility>
 
 #include "deform/error.h"
@@ -23,5 +24,8 @@ const std::vector<double>& Memory::get(const std::string& name, std::size_t size
 Plugin::~Plugin() = default;
 void Plugin::save(Memory& /*memory*/) const {}
 void Plugin::load(const Memory& /*memory*/) {}
+double Plugin::longest_step(double /*time*/) const {
+  return std::numeric_limits<double>::infinity();
+}
 
 }  // namespace deform

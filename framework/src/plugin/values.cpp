@@ -1,6 +1,7 @@
 #include "deform/plugin/values.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace deform {
 namespace {
@@ -36,6 +37,19 @@ double TimeProfile::operator()(double time) const {
       return interpolate(points, time);
   }
   return 1;
+}
+
+double until_next(const std::vector<double>& times, double time) {
+  const double rounding = 1e-9 * std::max(1.0, std::abs(time));
+  const auto next = std::upper_bound(times.begin(), times.end(), time + rounding);
+  return next == times.end() ? kInfinity : *next - time;
+}
+
+double TimeProfile::until_next_point(double time) const {
+  if (form == Form::constant) return kInfinity;
+  std::vector<double> times;
+  for (const Point& p : points) times.push_back(p.first);
+  return until_next(times, time);
 }
 
 }  // namespace deform

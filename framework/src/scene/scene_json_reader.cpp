@@ -221,8 +221,11 @@ class SectionReader {
     Scene scene;
     scene.title = values_.get<std::string>("title");
     scene.surface = uses_["surface"].front();
-    scene.material = {objects_["material"].get<double>("density"),
-                      objects_["material"].get<double>("damping")};
+    const ParameterValues& material = objects_["material"];
+    scene.material = {.density = material.get<double>("density"),
+                      .damping = material.get<double>("damping"),
+                      .rayleigh_mass = material.get<double>("rayleigh_mass"),
+                      .rayleigh_stiffness = material.get<double>("rayleigh_stiffness")};
     scene.energies = uses_["energies"];
     scene.forces = uses_["forces"];
     scene.constraints = uses_["constraints"];

@@ -41,9 +41,18 @@ struct VelocityRules {
 struct MaterialRules {
   double density = Material{}.density;
   double damping = Material{}.damping;
+  double rayleigh_mass = Material{}.rayleigh_mass;
+  double rayleigh_stiffness = Material{}.rayleigh_stiffness;
   static void declare(Declaration<MaterialRules>& d) {
     d("density", &MaterialRules::density, "kg/m²", "mu of (16), mass per parameter area").above(0);
     d("damping", &MaterialRules::damping, "N·s/m³", "gamma of (16), damping per parameter area")
+        .at_least(0);
+    d("rayleigh_mass", &MaterialRules::rayleigh_mass, "1/s",
+      "damping force as a multiple of mass times velocity")
+        .at_least(0);
+    d("rayleigh_stiffness", &MaterialRules::rayleigh_stiffness, "s",
+      "damping force as a multiple of stiffness times velocity: added to the retardation of every "
+      "energy that has a potential")
         .at_least(0);
   }
 };

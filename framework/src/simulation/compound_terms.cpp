@@ -21,9 +21,11 @@ std::shared_ptr<EnergyTerm> kept(const std::shared_ptr<EnergyTerm>& compound,
 
 }  // namespace
 
-void take_apart_compounds(std::vector<Named<EnergyTerm>>& energies) {
+void take_apart_compounds(std::vector<Named<EnergyTerm>>& energies,
+                          std::vector<double>& retardation) {
   std::vector<Named<EnergyTerm>> others;
-  for (Named<EnergyTerm>& energy : energies) {
+  for (std::size_t e = 0; e < energies.size(); ++e) {
+    Named<EnergyTerm>& energy = energies[e];
     const auto* compound = dynamic_cast<const CompoundTerm*>(energy.object.get());
     if (compound == nullptr) continue;
     const Named<EnergyTerm> whole = energy;
@@ -40,6 +42,7 @@ void take_apart_compounds(std::vector<Named<EnergyTerm>>& energies) {
         energy = std::move(part);
       } else {
         others.push_back(std::move(part));
+        retardation.push_back(retardation[e]);
       }
     }
   }

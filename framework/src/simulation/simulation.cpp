@@ -74,6 +74,7 @@ struct Simulation::Impl {
   }
 
   void make_system();
+  void make_energies(PartMaker& maker, const Setup& setup, ModelParts& parts) const;
   [[nodiscard]] std::vector<Body> make_bodies(PartMaker& maker, const Setup& setup) const;
   [[nodiscard]] std::function<std::vector<Named<LinearSolver>>()> solver_factory(
       PartMaker& maker, const std::shared_ptr<Surface>& surface);
@@ -128,8 +129,9 @@ void Simulation::Impl::make_system() {
   parts.surface = surface->object;
   parts.rest = rest;
   parts.mass = scene.material.density * surface->object->areas();
-  parts.damping = scene.material.damping * surface->object->areas();
-  parts.energies = maker.make_all<EnergyTerm>(scene.energies, setup);
+  parts.damping = (scene.material.damping + scene.material.rayleigh_mass * scene.material.density) *
+                  surface->object->areas();
+  make_energies(maker, setup, parts);
   parts.forces = maker.make_all<ForceField>(scene.forces, unmirrored);
   parts.constraints = maker.make_all<Constraint>(scene.constraints, unmirrored);
   parts.mirrored = mirrored;
@@ -141,13 +143,35 @@ void Simulation::Impl::make_system() {
   integrator = *made_integrator;
   keep<Surface>(PluginKind::surface, {*surface});
   keep(PluginKind::energy, parts.energies);
-  take_apart_compounds(parts.energies);
+  take_apart_compounds(parts.energies, parts.retardation);
   keep(PluginKind::force, parts.forces);
   keep(PluginKind::constraint, parts.constraints);
   for (const Body& body : parts.bodies) keep<Collider>(PluginKind::collider, {body.collider});
   keep<Integrator>(PluginKind::integrator, {integrator});
   system = std::make_unique<System>(std::move(parts));
   if (scene.solver) choose_solver();
+}
+
+/// Energies and their retardation times. A term without a potential has no stiffness that damping
+/// could be a multiple of.
+void Simulation::Impl::make_energies(PartMaker& maker, const Setup& setup,
+                                     ModelParts& parts) const {
+  for (const PluginUse& use : scene.energies) {
+    auto made = maker.make<EnergyTerm>(use, setup);
+    if (!made) continue;
+    const bool is_compound = dynamic_cast<const CompoundTerm*>(made->object.get()) != nullptr;
+    const bool has_stiffness = is_compound || guarded(made->origin, "saying what it is", [&] {
+                                 return made->object->traits().potential;
+                               });
+    const double own = use.parameters ? use.parameters->get<double>("retardation") : 0;
+    if (own > 0 && !has_stiffness)
+      maker.add({{use.pointer + "/retardation",
+                  fmt::format("at {}/retardation: found {:g}, expected 0: {} has no potential, so "
+                              "no stiffness that its damping could be a multiple of",
+                              use.pointer, own, made->name)}});
+    parts.retardation.push_back(has_stiffness ? own + scene.material.rayleigh_stiffness : 0);
+    parts.energies.push_back(std::move(*made));
+  }
 }
 
 std::vector<Body> Simulation::Impl::make_bodies(PartMaker& maker, const Setup& setup) const {
@@ -209,6 +233,7 @@ void Simulation::Impl::set_initial_state() {
       state.v(node, c) = velocity(node, c);
     }
   }
+  system->follow_ties_of_velocity(state.v);
   before = earlier = state;
   system->begin_step(state);
 }
@@ -302,7 +327,7 @@ void Simulation::step() {
   try {
     s.advance();
     s.check_state();
-    s.collide();
+    if (!s.integrator.object->resolves_contacts()) s.collide();
   } catch (...) {
     s.restore();
     throw;

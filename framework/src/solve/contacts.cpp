@@ -76,6 +76,22 @@ bool Contacts::resolve(const Body& body, const NodeVectors& before, double step,
   return any;
 }
 
+void Contacts::find(double time, const NodeVectors& r, double within,
+                    std::vector<NodeContact>& found) const {
+  found.clear();
+  NodeValues distance;
+  NodeVectors normal;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    measure(body, time, r, distance, normal);
+    for (Index a = 0; a < r.rows(); ++a) {
+      const double gap = distance[a] - body.thickness;
+      if (gap < within && free_[static_cast<std::size_t>(a)] != 0)
+        found.push_back({a, b, gap, normal.row(a).transpose(), body.friction});
+    }
+  }
+}
+
 NodeValues Contacts::clearance(double time, const NodeVectors& points) const {
   NodeValues least = NodeValues::Constant(points.rows(), std::numeric_limits<double>::infinity());
   NodeValues distance;

@@ -21,6 +21,9 @@ class Contacts {
   [[nodiscard]] bool none() const { return bodies_.empty(); }
   /// Amends `after`, which a step of so many seconds made of `before` (N × 3).
   void resolve(const NodeVectors& before, double step, State& after);
+  /// Free nodes nearer to a body than its thickness and `within`, were they at r (N × 3).
+  void find(double time, const NodeVectors& r, double within,
+            std::vector<NodeContact>& found) const;
   /// (M) Distance of points (M × 3) to the nearest body at a time, negative inside [m]; infinite
   /// where there is no body.
   [[nodiscard]] NodeValues clearance(double time, const NodeVectors& points) const;

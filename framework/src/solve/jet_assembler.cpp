@@ -87,6 +87,7 @@ SampleBlock JetAssembler::sample_block(const Geometries& g, Index first, Index s
   return {.now = g.now.block(first, size),
           .lagged = g.lagged.block(first, size),
           .rest = g.rest.block(first, size),
+          .origin = (g.origin != nullptr ? *g.origin : g.rest).block(first, size),
           .differences = samples_->field_differences(),
           .auxiliary = {}};
 }

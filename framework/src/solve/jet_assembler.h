@@ -18,6 +18,7 @@ struct Geometries {
   const Geometry& now;
   const Geometry& lagged;
   const Geometry& rest;
+  const Geometry* origin = nullptr;  // what strains are measured from; null: rest
 };
 
 /// All terms on one set. The order of every sum is fixed by the scene and the set.

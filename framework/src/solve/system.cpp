@@ -189,6 +189,7 @@ void System::evaluate(const State& state) {
   impl_->force.setZero();
   impl_->add_internal_force(impl_->force);
   impl_->external.add_force(state, impl_->normals, impl_->force);
+  impl_->add_material_damping(state, impl_->force);
   if (!impl_->force.allFinite()) throw_force_not_finite(state);
 }
 
@@ -306,6 +307,42 @@ void System::constrain(const NodeVectors& before, double step, State& after) con
 
 void System::collide(const NodeVectors& before, double step, State& after) {
   if (!impl_->contacts->none()) impl_->contacts->resolve(before, step, after);
+}
+
+void System::find_contacts(double time, const NodeVectors& r, double within,
+                           std::vector<NodeContact>& contacts) const {
+  impl_->contacts->find(time, r, within, contacts);
+}
+std::size_t System::colliders() const { return impl_->parts.bodies.size(); }
+
+void System::prescribe_velocity(double time, NodeVectors& v) const {
+  // Constraints give positions alone; a step back this short loses about half of the digits.
+  const double step = 1e-8 * std::max(1.0, std::abs(time));
+  NodeVectors now = NodeVectors::Zero(nodes(), 3), earlier = now;
+  prescribe(time, now);
+  prescribe(time - step, earlier);
+  for (int c = 0; c < 3; ++c)
+    for (Index a = 0; a < v.rows(); ++a)
+      if (reduction().prescribed(a, c)) v(a, c) = (now(a, c) - earlier(a, c)) / step;
+  follow_ties_of_velocity(v);
+}
+
+double System::longest_step(double time) const {
+  double longest = kInfinity;
+  const auto ask = [&](const std::string& origin, const Plugin& part) {
+    const double step =
+        guarded(origin, "saying what step it stands", [&] { return part.longest_step(time); });
+    if (!(step > 0))
+      throw PluginFailure("plugin " + origin + " stands steps of " + std::to_string(step) +
+                          " s, expected more than 0");
+    longest = std::min(longest, step);
+  };
+  const ModelParts& parts = impl_->parts;
+  for (const auto& e : parts.energies) ask(e.origin, *e.object);
+  for (const auto& f : parts.forces) ask(f.origin, *f.object);
+  for (const auto& c : parts.constraints) ask(c.origin, *c.object);
+  for (const auto& b : parts.bodies) ask(b.collider.origin, *b.collider.object);
+  return longest;
 }
 
 NodeValues System::clearance(double time, const NodeVectors& points) const {

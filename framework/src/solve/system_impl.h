@@ -25,6 +25,8 @@ struct SetPart {
   Geometry rest;
   std::array<Geometry, 2> geometry;  // one of a step's start, one of any other state
   Geometry before;                   // a Newton step earlier; made when first needed
+  Geometry damped;                   // that the material's damping is of, likewise
+  Geometry begun, earlier;           // that strains are measured from within a step
 };
 
 struct System::Impl {
@@ -37,6 +39,16 @@ struct System::Impl {
   void make_pattern();
   void make_tangent_pattern();
   void make_tangent_solver();
+  [[nodiscard]] bool has_material_damping() const;
+  void update_damping(const NodeVectors& r);
+  void add_material_damping(const State& state, NodeVectors& f);
+  /// What a term's damping is multiplied by where strains are measured over a step, or v is taken.
+  [[nodiscard]] std::vector<double> damping_factors(bool of_strains) const;
+  [[nodiscard]] Geometries since_begun(SetPart& set) {
+    return {set.geometry[current], set.geometry[current], set.rest, &set.begun};
+  }
+  void add_strain_damping(NodeVectors& f);
+  void add_strain_damping_tangent(Tangent kind, BlockMatrix& sum);
   [[nodiscard]] std::vector<std::vector<std::int32_t>> dependence() const;
   [[nodiscard]] SetPart& set_of(const SampleSet& samples);
   [[nodiscard]] Geometries geometries(SetPart& set) {
@@ -70,9 +82,14 @@ struct System::Impl {
   std::string no_solver = "none was needed";
   BlockMatrix tangent;
   std::vector<TangentAssembler> tangents;  // of each set; made when first asked for
+  BlockMatrix damping;     // of the material, N·s/m, where some term has a retardation time …
+  NodeVectors damped_at;   // … at these positions
+  double strain_rate = 0;  // [1/s], of strains since `begun`; 0: strain rates are those of v
   std::optional<TangentSolver> tangent_solver;
   std::vector<Freedom> held_freedoms;
   std::optional<ColouredJacobian> jacobian;
+  BlockMatrix no_stiffness;                  // of the pattern of masses
+  std::optional<TangentSolver> mass_solver;  // made when first needed
   StepReport report;
   StepTimes times;
 };

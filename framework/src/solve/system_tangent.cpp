@@ -43,7 +43,8 @@ void System::Impl::make_tangent_solver() {
 
 const BlockMatrix& System::tangent() const { return impl_->tangent; }
 
-void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before) {
+void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before,
+                                   double rate) {
   evaluate(state);
   const Stopwatch watch(impl_->times.assembly);
   if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
@@ -65,7 +66,14 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
   impl_->force_stiffness.setZero();
   impl_->force_damping.setZero();
   impl_->external.add_tangent(state, impl_->normals, impl_->force_stiffness, impl_->force_damping);
-  for (Index a = 0; a < k.nodes; ++a) k.block(a, a).diagonal().array() += impl_->force_stiffness[a];
+  for (Index a = 0; a < k.nodes; ++a)
+    k.block(a, a).diagonal().array() += impl_->force_stiffness[a] + rate * impl_->force_damping[a];
+  if (impl_->strain_rate > 0) impl_->add_strain_damping_tangent(kind, k);
+  if (rate != 0 && impl_->has_material_damping()) {
+    impl_->update_damping(state.r);
+    const std::vector<double>& damping = impl_->damping.value;
+    for (std::size_t i = 0; i < k.value.size(); ++i) k.value[i] += rate * damping[i];
+  }
   impl_->external.add_exact_tangent(state, impl_->normals, k);
   const Eigen::Map<const Eigen::VectorXd> values(k.value.data(),
                                                  static_cast<Index>(k.value.size()));
@@ -91,6 +99,20 @@ std::vector<std::string> System::without_tangent() const {
   for (std::size_t t = 0; t < impl_->traits.size(); ++t)
     if (!impl_->traits[t].potential) names.push_back(impl_->parts.energies[t].name);
   return names;
+}
+
+void System::stiffen(Index node, const Eigen::Matrix3d& block) {
+  impl_->tangent.block(node, node) += block;
+}
+
+NodeValues System::mean_stiffness() const {
+  NodeValues mean(nodes());
+  const BlockMatrix& k = impl_->tangent;
+  for (Index a = 0; a < k.nodes; ++a) {
+    const double* block = k.value.data() + 9 * Index{k.row_begin[static_cast<std::size_t>(a)]};
+    mean[a] = (block[0] + block[4] + block[8]) / 3;
+  }
+  return mean;
 }
 
 std::string System::factor_tangent(const NodeValues& d) {
@@ -130,7 +152,7 @@ std::vector<Freedom> System::hold_rigid_motions(const NodeVectors& r) {
   return held;
 }
 
-void System::evaluate_with_jacobian(const State& state) {
+void System::evaluate_with_jacobian(const State& state, double rate) {
   evaluate(state);
   const Stopwatch watch(impl_->times.assembly);
   if (!impl_->jacobian)
@@ -140,6 +162,7 @@ void System::evaluate_with_jacobian(const State& state) {
   State moved = state;
   impl_->jacobian->differentiate(state.r, [&](const NodeVectors& r) -> const NodeVectors& {
     moved.r = r;
+    if (rate != 0) moved.v = state.v + rate * (r - state.r);
     evaluate(moved);
     return impl_->force;
   });
@@ -185,6 +208,32 @@ std::vector<std::vector<std::int32_t>> System::Impl::dependence() const {
 }
 
 void System::follow_ties(NodeVectors& r) const { impl_->map->complete_positions(r); }
+void System::follow_ties_of_velocity(NodeVectors& v) const { impl_->map->complete_changes(v); }
 void System::reduce_force(NodeVectors& f) const { impl_->map->transpose(f); }
+
+void System::accelerate(const NodeVectors& f, NodeVectors& acceleration) {
+  require_finite(f, "the force to accelerate by", "the integrator", "");
+  if (impl_->map->ties().empty()) {
+    acceleration = f;
+    impl_->map->transpose(acceleration);
+    for (int c = 0; c < 3; ++c) acceleration.col(c).array() /= impl_->parts.mass.array();
+    return;
+  }
+  if (!impl_->mass_solver) {
+    BlockMatrix& none = impl_->no_stiffness;
+    none.nodes = nodes();
+    for (Index a = 0; a < nodes(); ++a) {
+      none.column.push_back(static_cast<std::int32_t>(a));
+      none.row_begin.push_back(static_cast<std::int32_t>(a + 1));
+    }
+    none.value.assign(9 * static_cast<std::size_t>(nodes()), 0.0);
+    impl_->mass_solver.emplace(*impl_->map, none, std::vector<Freedom>{},
+                               impl_->parts.make_solvers);
+    const std::string reason = impl_->mass_solver->factor(none, impl_->parts.mass);
+    if (!reason.empty())
+      throw Error(ExitCode::diverged, "the matrix of masses cannot be factorised: " + reason);
+  }
+  impl_->mass_solver->solve(f, acceleration);
+}
 
 }  // namespace deform

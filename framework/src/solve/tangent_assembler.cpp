@@ -65,16 +65,28 @@ void TangentAssembler::bind(const BlockMatrix& pattern) {
   }
 }
 
-void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind) {
+void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
+                                const std::vector<double>& factors) {
   if (blocks_.empty()) return;
   const auto stride = static_cast<Index>(blocks_.size()) * 9;
   parallel_blocks(terms_->samples().size(), kBlock, [&](Index first, Index size) {
     std::fill_n(h_.data() + first * stride, size * stride, 0.0);
     const JetTangent tangent(h_.data() + first * stride, stride, places_, size);
     const SampleBlock block = terms_->sample_block(geometries, first, size);
-    for (const JetAssembler::Term& t : terms_->terms())
-      if (t.traits.potential)
+    std::vector<double> one;  // of a term that is multiplied
+    for (const JetAssembler::Term& t : terms_->terms()) {
+      const double factor = factors.empty() ? 1 : factors[t.number];
+      if (!t.traits.potential || factor == 0) continue;
+      if (factor == 1) {
         guarded(t.origin, "computing its tangent", [&] { t.term->tangent(block, kind, tangent); });
+        continue;
+      }
+      one.assign(static_cast<std::size_t>(size * stride), 0.0);
+      const JetTangent alone(one.data(), stride, places_, size);
+      guarded(t.origin, "computing its tangent", [&] { t.term->tangent(block, kind, alone); });
+      for (std::size_t i = 0; i < one.size(); ++i)
+        h_[static_cast<std::size_t>(first * stride) + i] += factor * one[i];
+    }
   });
 }
 

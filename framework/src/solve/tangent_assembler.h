@@ -22,8 +22,10 @@ class TangentAssembler {
   /// Remembers where in a matrix of that pattern the blocks are.
   void bind(const BlockMatrix& pattern);
 
-  /// Second derivatives of all terms' densities at every sample.
-  void evaluate(const Geometries& geometries, Tangent kind);
+  /// Second derivatives of all terms' densities at every sample; `factors`: what each term of the
+  /// scene is multiplied by, 1 where empty.
+  void evaluate(const Geometries& geometries, Tangent kind,
+                const std::vector<double>& factors = {});
   /// K += Σ D_mᵀ A h_mn D_n of the last evaluation.
   void add(BlockMatrix& k) const;
 

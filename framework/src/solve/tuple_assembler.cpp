@@ -108,8 +108,9 @@ void TupleAssembler::add_operator(SparseMatrix& k) const {
   });
 }
 
-void TupleAssembler::add_tangent(const NodeVectors& r, Tangent kind, BlockMatrix& k) {
-  if (!traits_.potential) return;
+void TupleAssembler::add_tangent(const NodeVectors& r, Tangent kind, BlockMatrix& k,
+                                 double factor) {
+  if (!traits_.potential || factor == 0) return;
   const Index n = Index{3} * width_;
   h_.assign(count() * static_cast<std::size_t>(n * n), 0.0);
   parallel_blocks(static_cast<Index>(count()), kBlock, [&](Index first, Index size) {
@@ -129,7 +130,7 @@ void TupleAssembler::add_tangent(const NodeVectors& r, Tangent kind, BlockMatrix
         const Matrix h(h_.data() + tuple * n * n, n, n);
         for (int j = 0; j < width_; ++j) {
           const Index b = node(static_cast<std::size_t>(tuple), j);
-          if (b >= a) k.block(a, b) += h.block<3, 3>(3 * i, Index{3} * j);
+          if (b >= a) k.block(a, b) += factor * h.block<3, 3>(3 * i, Index{3} * j);
         }
       }
   });

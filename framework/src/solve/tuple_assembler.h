@@ -29,8 +29,9 @@ class TupleAssembler {
   void bind(const SparseMatrix& pattern);
   void add_operator(SparseMatrix& k) const;
 
-  /// K += the second derivatives of the tuples' energies; nothing where there is no potential.
-  void add_tangent(const NodeVectors& r, Tangent kind, BlockMatrix& k);
+  /// K += factor · the second derivatives of the tuples' energies; nothing where there is no
+  /// potential.
+  void add_tangent(const NodeVectors& r, Tangent kind, BlockMatrix& k, double factor = 1);
 
   /// [J], one a tuple.
   [[nodiscard]] std::vector<double> energies(const NodeVectors& r) const;

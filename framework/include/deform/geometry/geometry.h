@@ -78,6 +78,10 @@ class DEFORM_API Geometry {
   /// bits at any number of threads.
   void compute(const SampleSet& samples, const NodeVectors& r);
 
+  /// Makes this (1 − s) · this + s · other, field by field, of the same set: a G and a B that no
+  /// surface need have.
+  void blend(double s, const Geometry& other);
+
   [[nodiscard]] Index size() const { return size_; }
   [[nodiscard]] GeometryBlock block(Index first, Index size) const {
     return {data_.data(), size_, first, size};

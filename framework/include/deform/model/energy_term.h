@@ -30,6 +30,9 @@ struct TermTraits {
   Lagged lagged = Lagged::none;
   bool semidefinite = false;  ///< the lagged operator is positive semidefinite
   bool strong_form = false;   ///< needs samples that are the nodes, and FieldDifferences
+  /// Is a function of G and B less those of SampleBlock::origin, and of SampleBlock::rest else:
+  /// damping of the material is then that of exact strain rates over a step.
+  bool strains = false;
 };
 
 /// Internal energy of the surface.
@@ -58,6 +61,9 @@ struct DEFORM_API SampleBlock {
   GeometryBlock now;     ///< the state at which the term is evaluated
   GeometryBlock lagged;  ///< the state that lagged coefficients come from (often the same)
   GeometryBlock rest;    ///< the rest state: G⁰ = rest.G(ij), B⁰ = rest.B(ij)
+  /// What changes of G and B are measured from: the rest state, but for the damping of a material,
+  /// which asks for those since an earlier state (TermTraits::strains).
+  GeometryBlock origin;
 
   /// D^- of the term's auxiliary field f (strong form only); out has size() numbers. Throws Error
   /// where there is no such field.

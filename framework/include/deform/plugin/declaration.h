@@ -80,9 +80,13 @@ class Declaration {
   explicit Declaration(ParameterFields& fields) : fields_(&fields) {}
   Declaration(P& object, const ParameterValues& values) : object_(&object), values_(&values) {}
 
-  /// T is an alternative of ParameterValue (Index and int are integers, too).
-  template <class T>
-  FieldRefinement operator()(const char* name, T P::*member, const char* unit, const char* doc) {
+  /// T is an alternative of ParameterValue (Index and int are integers, too); Owner is P, or a base
+  /// that several plugins' parameters have in common.
+  template <class T, class Owner>
+  requires std::is_base_of_v<Owner, P> FieldRefinement operator()(const char* name,
+                                                                  T Owner::*member,
+                                                                  const char* unit,
+                                                                  const char* doc) {
     if (object_ != nullptr) {
       if (values_->has(name)) object_->*member = static_cast<T>(values_->get<Stored<T>>(name));
       return FieldRefinement(nullptr);

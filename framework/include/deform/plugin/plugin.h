@@ -39,6 +39,11 @@ class DEFORM_API Plugin {
 
   virtual void save(Memory& memory) const;
   virtual void load(const Memory& memory);
+
+  /// Of what makes a model (energies, forces, constraints, colliders): the longest step from a time
+  /// on that it stands [s]. Integrators that choose their steps end one there, and take shorter
+  /// ones where the scene's is longer. A pure function of time.
+  [[nodiscard]] virtual double longest_step(double time) const;
 };
 
 }  // namespace deform

@@ -19,10 +19,12 @@ class Surface;
 class Geometry;
 class SampleSet;
 
-/// Mass per parameter area and damping per parameter area of (16).
+/// Mass per parameter area and damping per parameter area of (16), and Rayleigh's damping.
 struct Material {
-  double density = 0.1;  ///< mu [kg/m²]
-  double damping = 0.0;  ///< gamma [N·s/m³]
+  double density = 0.1;             ///< mu [kg/m²]
+  double damping = 0.0;             ///< gamma [N·s/m³]
+  double rayleigh_mass = 0.0;       ///< damping force as a multiple of mass · velocity [1/s]
+  double rayleigh_stiffness = 0.0;  ///< and of stiffness · velocity [s], for all energies
 };
 
 /// The world at the time when a plugin object is made. Surfaces and shapes are made before there is

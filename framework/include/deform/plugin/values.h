@@ -32,7 +32,12 @@ struct DEFORM_API TimeProfile {
   std::vector<std::pair<double, double>> points;
 
   [[nodiscard]] double operator()(double time) const;
+  /// Time from `time` to the next corner or jump [s]; infinite where there is none. What is nearer
+  /// than rounding counts as passed. What Plugin::longest_step gives back.
+  [[nodiscard]] double until_next_point(double time) const;
 };
+/// The same for any ascending times [s].
+[[nodiscard]] DEFORM_API double until_next(const std::vector<double>& times, double time);
 
 /// One way to select nodes by their parameters (a1, a2) [m].
 struct NodeSelector {

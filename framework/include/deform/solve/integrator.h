@@ -16,6 +16,9 @@ class DEFORM_API Integrator : public Plugin {
   virtual void advance(System& system, State& state, double step) = 0;
   /// Whether it looks for equilibria, so that inertia has no say: nothing falls or swings.
   [[nodiscard]] virtual bool is_static() const { return false; }
+  /// Whether its steps end outside of colliders, friction included; else the framework calls
+  /// System::collide after each.
+  [[nodiscard]] virtual bool resolves_contacts() const { return false; }
 };
 
 }  // namespace deform

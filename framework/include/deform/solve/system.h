@@ -51,6 +51,9 @@ struct ModelParts {
   NodeValues mass;     ///< (N) mu A [kg]
   NodeValues damping;  ///< (N) gamma A [N·s/m]
   std::vector<Named<EnergyTerm>> energies;
+  /// Retardation time of each energy term's material [s]: its damping force is this times the
+  /// Gauss–Newton tangent of the term times −v (Kelvin–Voigt). Empty: none.
+  std::vector<double> retardation;
   std::vector<Named<ForceField>> forces;
   std::vector<Named<Constraint>> constraints;
   std::vector<Body> bodies;
@@ -65,8 +68,23 @@ struct ModelParts {
 struct StepReport {
   long iterations = 0;            ///< of Newton's method, all substeps together
   long substeps = 1;              ///< of time or of load
-  double residual = 0;            ///< of the last iteration, relative to the forces at work
+  long rejected = 0;              ///< substeps that were tried and given up
+  double smallest = 0;            ///< shortest and longest substep [s]; 0 where there is none
+  double largest = 0;             ///<
+  double residual = 0;            ///< where the last substep ended, relative to the forces at work
   std::vector<double> residuals;  ///< one an iteration of the last substep
+  /// Change of the incremental potential over the last substep [J]: never positive; not a number
+  /// where some force has no potential.
+  double potential_change = 0;
+};
+
+/// A free node near a collider.
+struct NodeContact {
+  Index node = 0;
+  std::size_t body = 0;         ///< its number among the scene's colliders
+  double gap = 0;               ///< distance less the collider's thickness; negative inside [m]
+  Vec3 normal = Vec3::UnitZ();  ///< along which the distance grows
+  double friction = 0;          ///< Coulomb's coefficient
 };
 
 /// Seconds spent, by part of a step.
@@ -107,16 +125,38 @@ class DEFORM_API System {
   /// The same, and the lagged operator K with f(r) = c − K r at this state.
   void evaluate_with_operator(const State& state);
   /// Evaluates all forces at a state, and the tangent; `before`: positions before the last Newton
-  /// step, for Tangent::foreseen.
-  void evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before = nullptr);
+  /// step, for Tangent::foreseen. `rate`: dv/dr of an implicit step [1/s], for what depends on
+  /// velocities: where v = (r − b)·rate, its −∂f/∂v (or what bounds it) times `rate` is added.
+  void evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before = nullptr,
+                             double rate = 0);
+  /// Adds a symmetric 3 × 3 block [N/m] to the tangent of the last evaluate_with_tangent, on a
+  /// node's diagonal: of forces that the System does not know.
+  void stiffen(Index node, const Eigen::Matrix3d& block);
+  /// (N) A third of the trace of each node's diagonal block of that tangent [N/m].
+  [[nodiscard]] NodeValues mean_stiffness() const;
   /// Energy of all terms and potential energy of all force fields at a state [J].
   [[nodiscard]] double potential(const State& state);
   /// What has a part in the force but not in `potential`, and what has none in the tangent (or one
   /// that is not its derivative): names, by which Newton's method is known to fall short.
   [[nodiscard]] std::vector<std::string> without_potential() const;
   [[nodiscard]] std::vector<std::string> without_tangent() const;
-  /// (N × 3) internal plus external forces of the last evaluation [N].
+  /// (N × 3) all forces of the last evaluation but what `damping` times velocity takes [N].
   [[nodiscard]] const NodeVectors& force() const;
+  /// (N × 3) of these, at a state, what is no gradient of `potential` though its energy terms are:
+  /// force fields without a potential, damping of materials [N].
+  [[nodiscard]] NodeVectors force_beside_potential(const State& state);
+  /// Whether force_beside_potential can be anything but zero.
+  [[nodiscard]] bool has_force_beside_potential() const;
+  /// From now on, damping of materials whose energy knows strains (TermTraits::strains) takes the
+  /// rates (T − T_b)·rate, T_b = (1 − s) T(r) + s T(earlier), T = G, B, in place of those of v: for
+  /// methods whose velocity is a difference over a step, in which a turn by a large angle would
+  /// count as a strain. Such damping is the gradient of `damping_potential`. `rate` 0 ends that.
+  void measure_strains_from(double rate, const NodeVectors& r, double s = 0,
+                            const NodeVectors& earlier = {});
+  /// Of the state, where strains are so measured [J].
+  [[nodiscard]] double damping_potential(const State& state);
+  /// (N × 3) all that damps at a state: −`damping` times velocity, and damping of materials [N].
+  [[nodiscard]] NodeVectors damping_force(const State& state);
   /// Of the last evaluate_with_tangent: −∂f/∂r of all terms with a potential and all force fields
   /// that know theirs [N/m].
   [[nodiscard]] const BlockMatrix& tangent() const;
@@ -152,14 +192,24 @@ class DEFORM_API System {
   std::vector<Freedom> hold_rigid_motions(const NodeVectors& r);
 
   /// Evaluates all forces, and −∂f/∂r of all of them by coloured differences: for what has no
-  /// tangent. Unsymmetric; lagged coefficients move with the state.
-  void evaluate_with_jacobian(const State& state);
+  /// tangent. Unsymmetric; lagged coefficients move with the state. `rate` as for
+  /// evaluate_with_tangent: velocities move with positions.
+  void evaluate_with_jacobian(const State& state, double rate = 0);
   /// As factor_tangent and solve_tangent, with that matrix; "" or why it cannot be factorised.
   [[nodiscard]] std::string factor_jacobian(const NodeValues& d);
   void solve_jacobian(const NodeVectors& b, NodeVectors& x);
 
-  /// Writes the components of positions that are tied to others.
+  /// Writes the components of positions, or of velocities, that are tied to others.
   void follow_ties(NodeVectors& r) const;
+  void follow_ties_of_velocity(NodeVectors& v) const;
+  /// Solves TᵀMT a = Tᵀf for accelerations T a of what is free; those of prescribed components are
+  /// 0 (both N × 3).
+  void accelerate(const NodeVectors& f, NodeVectors& acceleration);
+  /// Writes the velocities of prescribed components [m/s], that with which they come to a time, and
+  /// of those tied to others.
+  void prescribe_velocity(double time, NodeVectors& v) const;
+  /// The longest step from a time on that every part of the model stands [s].
+  [[nodiscard]] double longest_step(double time) const;
   /// Tᵀf in place (N × 3): what acts on free components, that on tied ones included.
   void reduce_force(NodeVectors& f) const;
   /// Writes the prescribed components [m] at a time, and those that are tied to others; leaves
@@ -175,6 +225,11 @@ class DEFORM_API System {
   /// becomes that of the way from `before` (N × 3), `step` seconds earlier. Nodes with a prescribed
   /// component stay.
   void collide(const NodeVectors& before, double step, State& after);
+  /// The free nodes whose gap to a collider is less than `within` [m] at a time, were they at
+  /// `r` (N × 3); nodes ascending, each collider by itself.
+  void find_contacts(double time, const NodeVectors& r, double within,
+                     std::vector<NodeContact>& contacts) const;
+  [[nodiscard]] std::size_t colliders() const;
   /// (M) Distance of points (M × 3) to the nearest collider at a time, negative inside [m];
   /// infinite where there is none.
   [[nodiscard]] NodeValues clearance(double time, const NodeVectors& points) const;

@@ -1,0 +1,92 @@
+/// The nonlinear equation that implicit methods for (16) have in common, and its solution by
+/// Newton's method.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "deform/export.h"
+#include "deform/solve/system.h"
+
+namespace deform {
+
+/// M (v − v_base)/τ = f(r, v, t) − Γ v with v = (r − r_base)/τ, for r. Backward differences have
+/// τ = h (first order) or 2h/3 (second order); the midpoint rule has τ = h/2.
+///
+/// Where all forces have a potential Π, solutions are stationary points of the incremental
+/// potential
+///   Φ(r) = ‖r − r_base − τ v_base‖²_M/(2τ²) + ‖r − r_base‖²_Γ/(2τ) + Π(r, t).
+struct Stage {
+  NodeVectors r_base;  ///< (N × 3) [m]
+  NodeVectors v_base;  ///< (N × 3) [m/s]
+  double tau = 0;      ///< [s]
+  double time = 0;     ///< of the stage [s]
+  /// Where the step began (N × 3) [m], and when it ends [s], at start + reach (r − start): there
+  /// colliders are felt, and what slid along them since the start is resisted by friction.
+  NodeVectors start;
+  double end = 0;
+  double reach = 1;
+  /// How materials' damping takes strain rates: as (T − T_b)/τ with T_b = (1 − s) T(start) +
+  /// s T(earlier), so that a turn by a large angle is no strain; or, `by_strains` false, as those
+  /// of v at r.
+  bool by_strains = false;
+  double s = 0;
+  NodeVectors earlier{};
+};
+
+/// A node that a collider pushes.
+struct Touch {
+  Index node = 0;
+  Vec3 normal = Vec3::UnitZ();  ///< away from the collider
+  bool sticks = false;          ///< friction lets it slide nowhere
+};
+
+/// How a stage is solved.
+struct StageSettings {
+  double tolerance = 1e-6;       ///< of what is left over, relative to the forces at work
+  std::int64_t iterations = 50;  ///< of Newton's method, at most
+};
+
+/// Solves stages one after another; remembers what the next may profit from.
+///
+/// Energies with a potential: Newton's method on Φ, with the exact tangent while that is positive
+/// definite, else the projected one; a line search sees to it that Φ falls. Forces without a
+/// potential (drag, damping of materials, followers) are taken as constant while a search lasts,
+/// with what is positive semidefinite of their tangent. Colliders act by an augmented Lagrangian:
+/// normal forces and friction (Coulomb's law, sticking included) are multipliers that are updated
+/// until they hold.
+///
+/// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
+/// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;
+/// colliders amend the step's end.
+class DEFORM_API ImplicitStage {
+ public:
+  explicit ImplicitStage(StageSettings settings);
+  ~ImplicitStage();
+  ImplicitStage(const ImplicitStage&) = delete;
+  ImplicitStage& operator=(const ImplicitStage&) = delete;
+
+  /// `state.r`: prescribed components where they are at the stage, the others a guess. Makes
+  /// `state` the solution (r, v, time) and returns "", or says why there is none; `state` is then
+  /// of no use. Throws NotFinite and what plugins throw. Adds to the system's step report.
+  [[nodiscard]] std::string solve(System& system, const Stage& stage, State& state);
+
+  /// What colliders pushed in the last solution, nodes ascending; a node that two push is there
+  /// twice.
+  [[nodiscard]] std::vector<Touch> touching() const;
+  /// False where colliders are left to System::collide.
+  [[nodiscard]] bool resolves_contacts() const;
+
+  /// Contact forces that the next solution starts from.
+  void save(Memory& memory) const;
+  void load(const Memory& memory);
+  /// As if there had been no solution yet.
+  void forget();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace deform

@@ -1,0 +1,145 @@
+#include "solve/contact_multipliers.h"
+
+#include <algorithm>
+
+namespace deform {
+namespace {
+
+/// Penalties as multiples of a node's own stiffness: an update of the multipliers then leaves about
+/// a tenth of their error, and the matrix stays well conditioned.
+constexpr double kPenalty = 10;
+
+}  // namespace
+
+void ContactMultipliers::begin(const System& system, const NodeValues& stiffness) {
+  penalty_ = kPenalty * stiffness;
+  nodes_ = stiffness.size();
+  const std::size_t size = system.colliders() * static_cast<std::size_t>(nodes_);
+  if (lambda_.size() == size) return;
+  lambda_.assign(size, 0.0);
+  rubs_.clear();
+}
+
+void ContactMultipliers::find(const System& system, const Stage& stage, const NodeVectors& r) {
+  reach_ = stage.reach;
+  const NodeVectors end = stage.start + stage.reach * (r - stage.start);
+  double within = 0;
+  for (std::size_t i = 0; i < lambda_.size(); ++i)
+    within = std::max(within, lambda_[i] / penalty_[static_cast<Index>(i) % nodes_]);
+  std::vector<NodeContact> near;
+  system.find_contacts(stage.end, end, within, near);
+  pushes_.clear();
+  for (const NodeContact& c : near)
+    if (const double force = lambda(c) - penalty_[c.node] * c.gap; force > 0)
+      pushes_.push_back({c, force});
+  for (Rub& rub : rubs_) {
+    const Vec3 moved = (end.row(rub.node) - stage.start.row(rub.node)).transpose();
+    rub.trial = rub.kept - penalty_[rub.node] * (moved - moved.dot(rub.normal) * rub.normal);
+    rub.force = rub.sticks() ? rub.trial : Vec3(rub.limit / rub.trial.norm() * rub.trial);
+  }
+}
+
+std::vector<Touch> ContactMultipliers::touching() const {
+  std::vector<Touch> all;
+  for (const Push& push : pushes_) {
+    const auto rub = std::ranges::find_if(rubs_, [&](const Rub& r) {
+      return r.node == push.contact.node && r.body == push.contact.body;
+    });
+    all.push_back({push.contact.node, push.contact.normal, rub != rubs_.end() && rub->sticks()});
+  }
+  std::ranges::stable_sort(all, {}, &Touch::node);
+  return all;
+}
+
+void ContactMultipliers::add_force(NodeVectors& f) const {
+  for (const Push& push : pushes_)
+    f.row(push.contact.node) += push.force * push.contact.normal.transpose();
+  for (const Rub& rub : rubs_) f.row(rub.node) += rub.force.transpose();
+}
+
+void ContactMultipliers::add_tangent(System& system) const {
+  for (const Push& push : pushes_) {
+    const Vec3& n = push.contact.normal;
+    system.stiffen(push.contact.node, penalty_[push.contact.node] * reach_ * n * n.transpose());
+  }
+  for (const Rub& rub : rubs_) {
+    Eigen::Matrix3d k = Eigen::Matrix3d::Identity() - rub.normal * rub.normal.transpose();
+    if (!rub.sticks()) {
+      const Vec3 along = rub.trial.normalized();
+      k = rub.limit / rub.trial.norm() * (k - along * along.transpose());
+    }
+    system.stiffen(rub.node, penalty_[rub.node] * reach_ * k);
+  }
+}
+
+double ContactMultipliers::potential() const {
+  double sum = 0;
+  for (const Push& push : pushes_)
+    sum += 0.5 * push.force * push.force / (penalty_[push.contact.node] * reach_);
+  for (const Rub& rub : rubs_) {
+    const double length = rub.trial.norm();
+    const double slide =
+        rub.sticks() ? 0.5 * length * length : rub.limit * (length - 0.5 * rub.limit);
+    sum += slide / (penalty_[rub.node] * reach_);
+  }
+  return sum;
+}
+
+void ContactMultipliers::update() {
+  std::vector<Rub> rubs;
+  std::ranges::fill(lambda_, 0.0);
+  for (const Push& push : pushes_) {
+    const NodeContact& c = push.contact;
+    lambda(c) = push.force;
+    if (c.friction == 0) continue;
+    const auto before = std::ranges::find_if(
+        rubs_, [&](const Rub& r) { return r.node == c.node && r.body == c.body; });
+    Rub rub{.node = c.node, .body = c.body, .normal = c.normal, .limit = c.friction * push.force};
+    if (before != rubs_.end()) rub.kept = before->force - before->force.dot(c.normal) * c.normal;
+    rubs.push_back(rub);
+  }
+  rubs_ = std::move(rubs);
+}
+
+/// For each multiplier collider, node, λ, λ_T, normal and disk.
+void ContactMultipliers::save(Memory& memory) const {
+  memory.put("contact.lambda", lambda_);
+  std::vector<double> all;
+  for (const Rub& r : rubs_)
+    for (const double x : {static_cast<double>(r.node), static_cast<double>(r.body), r.normal.x(),
+                           r.normal.y(), r.normal.z(), r.limit, r.kept.x(), r.kept.y(), r.kept.z()})
+      all.push_back(x);
+  memory.put("contact.friction", std::move(all));
+}
+
+void ContactMultipliers::load(const Memory& memory) {
+  const auto numbers = [&](const char* name) -> const std::vector<double>& {
+    const auto entry = memory.entries().find(name);
+    if (entry == memory.entries().end())
+      throw InputError(std::string("the checkpoint has no \"") + name + '"');
+    return entry->second;
+  };
+  constexpr std::size_t kNumbers = 9;
+  const std::vector<double>& all = numbers("contact.friction");
+  if (all.size() % kNumbers != 0)
+    throw InputError("the checkpoint's \"contact.friction\" has " + std::to_string(all.size()) +
+                     " numbers, expected a multiple of " + std::to_string(kNumbers));
+  lambda_ = numbers("contact.lambda");
+  rubs_.clear();
+  for (std::size_t i = 0; i < all.size(); i += kNumbers) {
+    const double* x = all.data() + i;
+    rubs_.push_back({.node = static_cast<Index>(x[0]),
+                     .body = static_cast<std::size_t>(x[1]),
+                     .normal = {x[2], x[3], x[4]},
+                     .limit = x[5],
+                     .kept = {x[6], x[7], x[8]}});
+  }
+}
+
+void ContactMultipliers::forget() {
+  lambda_.clear();
+  pushes_.clear();
+  rubs_.clear();
+}
+
+}  // namespace deform

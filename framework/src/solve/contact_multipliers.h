@@ -1,0 +1,67 @@
+/// Contact with colliders inside an implicit step: normal forces and friction as multipliers.
+#pragma once
+
+#include <vector>
+
+#include "deform/solve/implicit_stage.h"
+
+namespace deform {
+
+/// The augmented Lagrangian of gap ≥ 0 and of Coulomb's law (Alart & Curnier 1991; Simo & Laursen
+/// 1992): with penalties κ, at each node and collider,
+///   normal force N = max(0, λ − κ gap),
+///   friction T = what is within the disk of radius μ λ, nearest to λ_T − κ u_T,
+/// u_T being how far the node slid since the step began, across the normal. Both are gradients of
+/// potentials while λ, λ_T and the disk are kept; then these are updated to N, T and μ N until
+/// nothing changes: then the laws hold exactly, whatever κ.
+class ContactMultipliers {
+ public:
+  /// Forgets multipliers of another size of problem; makes penalties from a stage's stiffness at
+  /// each node (N) [N/m].
+  void begin(const System& system, const NodeValues& stiffness);
+  /// Finds what touches at positions r of a stage.
+  void find(const System& system, const Stage& stage, const NodeVectors& r);
+  /// Of the last `find`: adds contact forces [N] to f; adds their tangent to the system's; their
+  /// potential [J].
+  void add_force(NodeVectors& f) const;
+  void add_tangent(System& system) const;
+  [[nodiscard]] double potential() const;
+  /// Makes the forces of the last `find` the multipliers.
+  void update();
+
+  /// What has a normal force at the last `find`.
+  [[nodiscard]] std::vector<Touch> touching() const;
+
+  void save(Memory& memory) const;
+  void load(const Memory& memory);
+  void forget();
+
+ private:
+  struct Push {
+    NodeContact contact;
+    double force = 0;  // N
+  };
+  /// Friction where there was a normal force at the last update.
+  struct Rub {
+    Index node = 0;
+    std::size_t body = 0;
+    Vec3 normal = Vec3::UnitZ();  // then
+    double limit = 0;             // μ λ
+    Vec3 kept = Vec3::Zero();     // λ_T
+    Vec3 trial = Vec3::Zero();    // λ_T − κ u_T
+    Vec3 force = Vec3::Zero();    // T
+    [[nodiscard]] bool sticks() const { return trial.norm() <= limit; }
+  };
+  [[nodiscard]] double& lambda(const NodeContact& c) {
+    return lambda_[c.body * static_cast<std::size_t>(nodes_) + static_cast<std::size_t>(c.node)];
+  }
+
+  Index nodes_ = 0;
+  NodeValues penalty_;          // κ of each node [N/m]
+  double reach_ = 1;            // of the last stage: forces by r are κ · reach
+  std::vector<double> lambda_;  // of each collider's nodes [N]
+  std::vector<Push> pushes_;
+  std::vector<Rub> rubs_;
+};
+
+}  // namespace deform

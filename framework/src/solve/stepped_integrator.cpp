@@ -1,0 +1,231 @@
+#include "deform/solve/stepped_integrator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "deform/log.h"
+
+namespace deform {
+namespace {
+
+/// A step is shortened this often before the run is given up.
+constexpr int kMostHalvings = 10;
+/// So many steps must succeed before twice as long ones are tried.
+constexpr int kBeforeLonger = 4;
+/// What is left of a scene's step counts as nothing below this part of it.
+constexpr double kRoundingOfTime = 1e-9;
+/// With error control: part of the first step that is tried first, how far below the error allowed
+/// steps are aimed, and how much one may differ from the one before.
+constexpr double kFirst = 0.1, kSafety = 0.9, kLeastChange = 0.2, kMostChange = 2;
+
+std::vector<double> flattened(const NodeVectors& v) { return {v.data(), v.data() + v.size()}; }
+
+NodeVectors vectors_of(const Memory& memory, const std::string& name) {
+  const auto entry = memory.entries().find(name);
+  if (entry == memory.entries().end() || entry->second.size() % 3 != 0)
+    throw InputError("the checkpoint has no \"" + name + "\", or not three numbers a node");
+  return Eigen::Map<const NodeVectors>(entry->second.data(),
+                                       static_cast<Index>(entry->second.size() / 3), 3);
+}
+
+}  // namespace
+
+SteppedIntegrator::SteppedIntegrator(StepControl control) : control_(control) {}
+SteppedIntegrator::~SteppedIntegrator() = default;
+void SteppedIntegrator::accept(const State& /*from*/, const State& /*to*/) {}
+void SteppedIntegrator::forget() {}
+
+void SteppedIntegrator::put(Memory& memory, const std::string& name, const State& state) {
+  memory.put(name + ".r", flattened(state.r));
+  memory.put(name + ".v", flattened(state.v));
+  memory.put(name + ".time", {state.time});
+}
+
+bool SteppedIntegrator::has(const Memory& memory, const std::string& name) {
+  return memory.entries().contains(name + ".time");
+}
+
+State SteppedIntegrator::get(const Memory& memory, const std::string& name) {
+  State state{vectors_of(memory, name + ".r"), vectors_of(memory, name + ".v"),
+              memory.get(name + ".time", 1).front()};
+  if (state.r.rows() != state.v.rows())
+    throw InputError("the checkpoint's \"" + name +
+                     "\" has positions and velocities of different numbers of nodes");
+  return state;
+}
+
+bool SteppedIntegrator::goes_on_from(const State& state) const {
+  return last_.r.rows() == state.r.rows() && last_.r == state.r && last_.v == state.v;
+}
+
+void SteppedIntegrator::advance(System& system, State& state, double step) {
+  if (!goes_on_from(state)) {
+    forget();
+    left_ = right_ = State{};
+    next_ = 0;
+  }
+  StepReport& report = system.step_report();
+  report.substeps = report.rejected = 0;
+  halvings_ = 0;
+  if (control_.error > 0) {
+    advance_adaptive(system, state, step);
+  } else {
+    advance_fixed(system, state, step);
+  }
+  last_ = state;
+}
+
+void SteppedIntegrator::advance_fixed(System& system, State& state, double step) {
+  const double end = state.time + step;
+  const double begin = state.time;
+  double part = step, done = 0;
+  int taken = 0;  // since the last failure
+  while (done < step) {
+    double h = std::min({part, step - done, system.longest_step(state.time)});
+    if (step - done - h < kRoundingOfTime * step) h = step - done;
+    State to;
+    const Attempt attempt = try_step(system, state, h, to);
+    if (!attempt.failure.empty()) {
+      ++system.step_report().rejected;
+      part = h;
+      taken = 0;
+      shorten(part, longest_, attempt.failure);
+      continue;
+    }
+    accept(state, to);
+    count(system, h);
+    halvings_ = 0;
+    done = h == step - done ? step : done + h;
+    state = std::move(to);
+    state.time = done == step ? end : begin + done;
+    if (++taken % kBeforeLonger == 0) part = std::min(2 * part, step);
+  }
+}
+
+void SteppedIntegrator::advance_adaptive(System& system, State& state, double step) {
+  if (right_.r.size() == 0) {
+    left_ = right_ = state;
+    next_ = kFirst * std::min(step, control_.largest_step);
+  }
+  const double end = state.time + step;
+  while (right_.time < end - kRoundingOfTime * step) {
+    const double stood = system.longest_step(right_.time);
+    double h = std::min({next_, control_.largest_step, stood});
+    State to;
+    const Attempt attempt = try_step(system, right_, h, to);
+    if (!attempt.failure.empty()) {
+      ++system.step_report().rejected;
+      next_ = h;
+      shorten(next_, longest_, attempt.failure);
+      continue;
+    }
+    const bool is_known = attempt.error.size() > 0;
+    const double error = is_known ? error_of(system, attempt.error) / control_.error : 1;
+    const double wanted = error > 0 ? kSafety * std::pow(error, -1.0 / local_order()) : kMostChange;
+    if (is_known && error > 1) {
+      ++system.step_report().rejected;
+      next_ = h * std::clamp(wanted, kLeastChange, 1.0);
+      if (!(next_ > 1e-12 * step))
+        throw Error(ExitCode::diverged, fmt::format("no step is short enough for the error "
+                                                    "allowed: tried {:.3g} s",
+                                                    h));
+      continue;
+    }
+    accept(right_, to);
+    count(system, h);
+    halvings_ = 0;
+    // A step that was cut for a part of the model says nothing against the longer one.
+    next_ = std::max(h < next_ ? next_ : 0.0,
+                     h * (is_known ? std::clamp(wanted, kLeastChange, kMostChange) : 1));
+    left_ = std::move(right_);
+    right_ = std::move(to);
+  }
+  interpolate(system, end, state);
+}
+
+SteppedIntegrator::Attempt SteppedIntegrator::try_step(System& system, const State& from,
+                                                       double step, State& to) {
+  Attempt result;
+  cause_ = nullptr;
+  longest_ = 0;
+  to = from;
+  try {
+    result = attempt(system, from, step, to);
+    if (result.failure.empty() && !result.resolved_contacts) system.collide(from.r, step, to);
+    const bool is_finite = to.r.allFinite() && to.v.allFinite();
+    if (result.failure.empty() && !is_finite) result.failure = "the state is not finite";
+  } catch (const StepTooLong& e) {
+    result.failure = e.what();
+    longest_ = e.longest();
+    cause_ = std::current_exception();
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::diverged) throw;
+    result.failure = e.what();
+    cause_ = std::current_exception();
+  }
+  return result;
+}
+
+/// Half the step, or the one `wanted` if that is shorter.
+void SteppedIntegrator::shorten(double& step, double wanted, const std::string& why) {
+  if (++halvings_ > kMostHalvings) {
+    if (cause_) std::rethrow_exception(cause_);
+    throw Error(ExitCode::diverged,
+                fmt::format("no step is short enough, {:.3g} s neither: {}", step, why));
+  }
+  const double shorter = wanted > 0 && wanted < step ? wanted : step / 2;
+  log::info(fmt::format("a step of {:.3g} s fails ({}): {:.3g} s is tried", step, why, shorter));
+  step = shorter;
+}
+
+void SteppedIntegrator::count(System& system, double step) {
+  StepReport& report = system.step_report();
+  report.smallest = report.substeps == 0 ? step : std::min(report.smallest, step);
+  report.largest = std::max(report.largest, step);
+  ++report.substeps;
+}
+
+double SteppedIntegrator::error_of(const System& system, const NodeVectors& error) const {
+  const auto& rest = system.rest();
+  const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  const double mass = system.mass().sum();
+  return std::sqrt(system.mass().dot(error.rowwise().squaredNorm()) / mass) / size;
+}
+
+/// The cubic Hermite polynomial of r at both ends of the last step, and its derivative.
+void SteppedIntegrator::interpolate(const System& system, double time, State& state) const {
+  const double h = right_.time - left_.time;
+  const double s = h > 0 ? (time - left_.time) / h : 1;
+  const double a = s * s * (3 - 2 * s), b = s * (1 - s) * (1 - s), c = s * s * (s - 1);
+  state.r = (1 - a) * left_.r + a * right_.r + h * (b * left_.v + c * right_.v);
+  const double da = 6 * s * (1 - s), db = (1 - s) * (1 - 3 * s), dc = s * (3 * s - 2);
+  if (h > 0)
+    state.v = da / h * (right_.r - left_.r) + db * left_.v + dc * right_.v;
+  else
+    state.v = right_.v;
+  state.time = time;
+  system.prescribe(time, state.r);
+}
+
+void SteppedIntegrator::save(Memory& memory) const {
+  if (last_.r.size() == 0) return;
+  put(memory, "last", last_);
+  memory.put("next_step", {next_});
+  if (right_.r.size() == 0) return;
+  put(memory, "left", left_);
+  put(memory, "right", right_);
+}
+
+void SteppedIntegrator::load(const Memory& memory) {
+  if (!has(memory, "last")) return;
+  last_ = get(memory, "last");
+  next_ = memory.get("next_step", 1).front();
+  if (!has(memory, "right")) return;
+  left_ = get(memory, "left");
+  right_ = get(memory, "right");
+}
+
+}  // namespace deform
