@@ -101,6 +101,9 @@ class Moment final : public ForceField {
     number_pairs();
   }
 
+  [[nodiscard]] double longest_step(double time) const override {
+    return time_.until_next_point(time);
+  }
   [[nodiscard]] ForceTraits traits() const override {
     return {.potential = true, .neighbours = true, .exact_tangent = true};
   }

@@ -53,6 +53,9 @@ class Pressure final : public ForceField {
     number_pairs();
   }
 
+  [[nodiscard]] double longest_step(double time) const override {
+    return time_.until_next_point(time);
+  }
   [[nodiscard]] ForceTraits traits() const override {
     return {.potential = closed_, .neighbours = true, .exact_tangent = true};
   }

@@ -36,6 +36,9 @@ class Spring final : public ForceField {
       : anchor_(p.anchor), length_(p.rest_length), time_(p.time), k_(stiffness_shares(p, setup)) {}
 
   /// Only without a rest length is ∂f/∂r a multiple of the identity.
+  [[nodiscard]] double longest_step(double time) const override {
+    return time_.until_next_point(time);
+  }
   [[nodiscard]] ForceTraits traits() const override {
     return {.potential = true, .isotropic_tangent = length_ == 0};
   }

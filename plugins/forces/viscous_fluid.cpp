@@ -22,6 +22,9 @@ class ViscousFluid final : public ForceField {
   ViscousFluid(const Parameters& p, const Setup& /*setup*/)
       : viscosity_(p.viscosity), velocity_(p.velocity), time_(p.time) {}
 
+  [[nodiscard]] double longest_step(double time) const override {
+    return time_.until_next_point(time);
+  }
   [[nodiscard]] ForceTraits traits() const override { return {.normals = true}; }
 
   void add_force(const NodeBlock& nodes, Vectors force) const override {

@@ -41,6 +41,9 @@ class Wind final : public ForceField {
         time_(p.time),
         corners_(setup.surface()) {}
 
+  [[nodiscard]] double longest_step(double time) const override {
+    return time_.until_next_point(time);
+  }
   [[nodiscard]] ForceTraits traits() const override {
     return {.neighbours = true, .damping_bound = true};
   }

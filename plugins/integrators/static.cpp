@@ -188,15 +188,10 @@ class Static final : public Integrator {
   /// The projected tangent may be singular (a flat sheet without tension does not resist bending
   /// in it): the least multiple of the mean stiffness that cures it is added.
   [[nodiscard]] std::string factor_with_shift(System& system) const {
-    const BlockMatrix& k = system.tangent();
-    double mean = 0;
-    for (Index a = 0; a < k.nodes; ++a) {
-      const double* block = k.value.data() + 9 * Index{k.row_begin[static_cast<std::size_t>(a)]};
-      mean += (block[0] + block[4] + block[8]) / (3 * static_cast<double>(k.nodes));
-    }
+    const double mean = system.mean_stiffness().mean();
     std::string reason = system.factor_tangent(zero_);
     for (double shift = 1e-10; !reason.empty() && shift < 1e-1; shift *= 10)
-      reason = system.factor_tangent(NodeValues::Constant(k.nodes, shift * mean));
+      reason = system.factor_tangent(NodeValues::Constant(system.nodes(), shift * mean));
     return reason;
   }
 

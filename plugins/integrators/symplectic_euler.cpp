@@ -3,31 +3,39 @@
 namespace {
 using namespace deform;
 
-/// v⁺ = v + dt f(r, v)/m with the damping taken at v⁺, then r⁺ = r + dt v⁺: explicit, no matrix.
+/// v⁺ = v + dt f(r, v)/m with the damping taken at v⁺, then r⁺ = r + dt v⁺: explicit, and no matrix
+/// but that of masses where ties make one of them: TᵀMT v̇ = Tᵀ(f − Γ v) then, damping at v.
 class SymplecticEuler final : public Integrator {
  public:
   SymplecticEuler(const NoParameters& /*parameters*/, const Setup& /*setup*/) {}
 
   void advance(System& system, State& state, double step) override {
     system.evaluate(state);
-    // What acts on tied components, their inertia too, goes to those that they follow.
-    mass_ = system.mass().replicate(1, 3);
-    damping_ = system.damping().replicate(1, 3);
-    force_ = system.force();
-    for (NodeVectors* x : {&mass_, &damping_, &force_}) system.reduce_force(*x);
     before_ = state.r;
-    for (int c = 0; c < 3; ++c)
-      for (Index a = 0; a < force_.rows(); ++a)
-        if (system.reduction().free(a, c))
-          state.v(a, c) = (mass_(a, c) * state.v(a, c) + step * force_(a, c)) /
-                          (mass_(a, c) + step * damping_(a, c));
+    if (system.reduction().ties().empty()) {
+      push_nodes(system, state, step);
+    } else {
+      force_ = system.force() - system.damping().asDiagonal() * state.v;
+      system.accelerate(force_, acceleration_);
+      state.v += step * acceleration_;
+    }
     state.r += step * state.v;
     state.time += step;
     system.constrain(before_, step, state);
   }
 
  private:
-  NodeVectors mass_, damping_, force_, before_;
+  static void push_nodes(const System& system, State& state, double step) {
+    const NodeValues& m = system.mass();
+    const NodeValues& damping = system.damping();
+    for (int c = 0; c < 3; ++c)
+      for (Index a = 0; a < m.size(); ++a)
+        if (system.reduction().free(a, c))
+          state.v(a, c) =
+              (m[a] * state.v(a, c) + step * system.force()(a, c)) / (m[a] + step * damping[a]);
+  }
+
+  NodeVectors force_, acceleration_, before_;
 };
 
 }  // namespace

@@ -19,12 +19,6 @@
 namespace {
 
 using namespace deform;
-
-/// (N × 3) [N]: all damping of the model, but for that of force fields, which are loads.
-NodeVectors damping_force(const System& system, const State& state) {
-  return -(system.damping().asDiagonal() * state.v);
-}
-
 double dot(const NodeVectors& a, const NodeVectors& b) { return a.cwiseProduct(b).sum(); }
 
 /// A state, and the forces there (each N × 3) [N].
@@ -124,7 +118,7 @@ class EnergyBalance final : public Probe {
   [[nodiscard]] Instant instant(const Frame& frame) const {
     System& system = frame.system;
     Instant m{frame.state.r, frame.state.v, system.external_force(frame.state),
-              NodeVectors::Zero(nodes_, 3), damping_force(system, frame.state)};
+              NodeVectors::Zero(nodes_, 3), system.damping_force(frame.state)};
     if (!any_prescribed_) return m;  // only the reaction of constraints asks for it
     for (std::size_t i = 0; i < system.energies().size(); ++i)
       m.internal += system.internal_force(i, frame.state);

@@ -10,6 +10,8 @@
 #include <deform/record/probe.h>
 #include <deform/surface/surface.h>
 
+#include "node_line.h"
+
 namespace {
 
 using namespace deform;
@@ -24,16 +26,6 @@ struct Parameters {
         .at_least(0);
   }
 };
-
-/// The hem's nodes in the order of the parameter that varies along it.
-std::vector<Index> ordered(std::vector<Index> hem, const Eigen::MatrixX2d& parameters) {
-  const Eigen::MatrixX2d along = parameters(hem, Eigen::all);
-  const Vec2 extent = along.colwise().maxCoeff() - along.colwise().minCoeff();
-  const int axis = extent[0] >= extent[1] ? 0 : 1;
-  std::ranges::sort(hem,
-                    [&](Index a, Index b) { return parameters(a, axis) < parameters(b, axis); });
-  return hem;
-}
 
 /// Positions (in the list) at which the offsets turn by more than `least` before and after; the
 /// ends of the list are no turns.
@@ -61,7 +53,7 @@ std::vector<Index> turns(const NodeValues& offset, double least) {
 class Folds final : public Probe {
  public:
   Folds(const Parameters& p, const Setup& setup)
-      : hem_(ordered(setup.select(p.where), setup.surface().parameters())) {
+      : hem_(in_order(setup.select(p.where), setup.surface().parameters())) {
     const NodeVectors& rest = setup.rest();
     least_ = p.prominence * (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
     const auto count = static_cast<Index>(hem_.size());

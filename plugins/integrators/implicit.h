@@ -1,0 +1,47 @@
+/// What the implicit integrators have in common.
+#pragma once
+
+#include <deform/solve/implicit_stage.h>
+#include <deform/solve/stepped_integrator.h>
+
+namespace deform {
+
+struct ImplicitParameters : StepControl {
+  double tolerance = StageSettings{}.tolerance;
+  std::int64_t iterations = StageSettings{}.iterations;
+
+  template <class Parameters>
+  static void declare(Declaration<Parameters>& d) {
+    StepControl::declare(d);
+    d("tolerance", &ImplicitParameters::tolerance, "1",
+      "of the force that is left over, relative to the forces at work")
+        .above(0);
+    d("iterations", &ImplicitParameters::iterations, "",
+      "of Newton's method in a step, at most; then half the step is tried")
+        .at_least(1);
+  }
+  [[nodiscard]] StageSettings settings() const { return {tolerance, iterations}; }
+};
+
+/// An integrator whose step is one stage.
+class ImplicitIntegrator : public SteppedIntegrator {
+ public:
+  explicit ImplicitIntegrator(const ImplicitParameters& p)
+      : SteppedIntegrator(p), newton_(p.settings()) {}
+
+  void save(Memory& memory) const override {
+    SteppedIntegrator::save(memory);
+    newton_.save(memory);
+  }
+  void load(const Memory& memory) override {
+    SteppedIntegrator::load(memory);
+    newton_.load(memory);
+  }
+
+ protected:
+  void forget() override { newton_.forget(); }
+
+  ImplicitStage newton_;
+};
+
+}  // namespace deform

@@ -1,0 +1,81 @@
+#include "implicit.h"
+#include "second_order_error.h"
+
+namespace {
+using namespace deform;
+
+struct Parameters : ImplicitParameters {
+  static void declare(Declaration<Parameters>& d) { ImplicitParameters::declare(d); }
+};
+
+/// M (v⁺ − v)/h = f(r_m, v_m, t + h/2) − Γ v_m with r_m = (r + r⁺)/2, v_m = (r⁺ − r)/h = (v +
+/// v⁺)/2: a stage of length h/2, then as far again. Second order; symplectic: keeps momentum and
+/// angular momentum, and energy without drift.
+class ImplicitMidpoint final : public ImplicitIntegrator {
+ public:
+  ImplicitMidpoint(const Parameters& p, const Setup& /*setup*/) : ImplicitIntegrator(p) {}
+
+  void save(Memory& memory) const override {
+    ImplicitIntegrator::save(memory);
+    error_.save(memory);
+  }
+  void load(const Memory& memory) override {
+    ImplicitIntegrator::load(memory);
+    error_.load(memory);
+  }
+
+ protected:
+  [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
+    const double end = from.time + h;
+    const Stage stage{.r_base = from.r,
+                      .v_base = from.v,
+                      .tau = h / 2,
+                      .time = from.time + h / 2,
+                      .start = from.r,
+                      .end = end,
+                      .reach = 2};
+    NodeVectors target = error_.extrapolated(from, h);
+    system.prescribe(end, target);
+    to.r = 0.5 * (from.r + target);
+    std::string failure = newton_.solve(system, stage, to);
+    if (!failure.empty()) return {std::move(failure), {}, false};
+    to.r = 2 * to.r - from.r;
+    to.v = 2 * to.v - from.v;
+    to.time = end;
+    stop_what_touches(from, h, to);
+    system.prescribe(end, to.r);
+    system.prescribe_velocity(end, to.v);
+    return {"", error_.of(from, to, h, 1.0 / 12), newton_.resolves_contacts()};
+  }
+  [[nodiscard]] int local_order() const override { return 3; }
+  void accept(const State& from, const State& to) override { error_.accept(from, to); }
+  void forget() override {
+    ImplicitIntegrator::forget();
+    error_.forget();
+  }
+
+ private:
+  /// Contact is inelastic: what came to a collider does not leave it with the velocity it came
+  /// with, as 2 v_m − v would have it, nor does what sticks slide back.
+  void stop_what_touches(const State& from, double h, State& to) const {
+    for (const Touch& touch : newton_.touching()) {
+      const Vec3 mean = (to.r.row(touch.node) - from.r.row(touch.node)).transpose() / h;
+      const Vec3 excess = Vec3(to.v.row(touch.node).transpose()) - mean;
+      const Vec3 stopped = touch.sticks ? excess : Vec3(excess.dot(touch.normal) * touch.normal);
+      to.v.row(touch.node) -= stopped.transpose();
+    }
+  }
+
+  SecondOrderError error_;
+};
+
+}  // namespace
+
+DEFORM_PLUGIN(ImplicitMidpoint, Parameters, .name = "implicit_midpoint", .version = "1.0",
+              .summary =
+                  "implicit, second order, without damping of its own: for long flights and "
+                  "vibrations",
+              .formula =
+                  "M (v⁺ − v)/h = f((r + r⁺)/2, (v + v⁺)/2) − Γ (v + v⁺)/2, "
+                  "r⁺ = r + h (v + v⁺)/2",
+              .source = "Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.2, VI.4")

@@ -1,0 +1,53 @@
+/// Local errors of second-order methods by comparison with an extrapolation (Milne's device).
+#pragma once
+
+#include <optional>
+
+#include <deform/solve/system.h>
+
+namespace deform {
+
+/// Remembers the last step's acceleration.
+class SecondOrderError {
+ public:
+  void accept(const State& from, const State& to) {
+    step_ = to.time - from.time;
+    acceleration_ = (to.v - from.v) / step_;
+  }
+  void forget() { acceleration_.resize(0, 3); }
+  [[nodiscard]] bool is_known() const { return acceleration_.rows() > 0; }
+
+  /// r + h v + h² a/2 with a of the middle of the last step, of length h⁻: it differs from the
+  /// solution by (1/6 + 1/(4ω)) h³ r⃛, ω = h/h⁻.
+  [[nodiscard]] NodeVectors extrapolated(const State& from, double h) const {
+    if (!is_known()) return from.r + h * from.v;
+    return from.r + h * from.v + 0.5 * h * h * acceleration_;
+  }
+  /// Local error of a method whose result r⁺ is wrong by +C h³ r⃛; empty where nothing is known.
+  [[nodiscard]] NodeVectors of(const State& from, const State& to, double h, double C) const {
+    if (!is_known()) return {};
+    const double omega = h / step_;
+    return C / (C + 1.0 / 6 + 1 / (4 * omega)) * (to.r - extrapolated(from, h));
+  }
+
+  void save(Memory& memory) const {
+    if (is_known())
+      memory.put("acceleration",
+                 {acceleration_.data(), acceleration_.data() + acceleration_.size()});
+    memory.put("last_step", {step_});
+  }
+  void load(const Memory& memory) {
+    step_ = memory.get("last_step", 1).front();
+    forget();
+    const auto entry = memory.entries().find("acceleration");
+    if (entry == memory.entries().end()) return;
+    acceleration_ = Eigen::Map<const NodeVectors>(entry->second.data(),
+                                                  static_cast<Index>(entry->second.size() / 3), 3);
+  }
+
+ private:
+  double step_ = 0;           // [s]
+  NodeVectors acceleration_;  // (N × 3) [m/s²]
+};
+
+}  // namespace deform
