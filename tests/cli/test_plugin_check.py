@@ -49,6 +49,7 @@ PARAMETERS = {
     "force/wind": [{}, {"velocity": [3, 1, 2]}, {"velocity": [0, 0, -5], "drag": 0, "friction": 1}],
     "probe/point": [{"where": LEFT}],
     "probe/folds": [{"where": {"boundary": "bottom"}}],
+    "probe/line_stretch": [{"where": {"boundary": "bottom"}}],
     "constraint/pin": [{"where": LEFT}, {"where": LEFT, "components": ["z"]}],
     "constraint/clamp": [{"where": LEFT}, {"where": {"boundary": ["left", "top"]}, "tangent": "full"}],
     "constraint/symmetry": [{"where": LEFT, "plane": "x"}],
