@@ -252,7 +252,12 @@ bool ImplicitStage::Impl::leap(System& system, State& state) {
 std::string ImplicitStage::Impl::iterate(System& system, State& state) {
   if (has_potential && !with_contacts) {
     State leapt = state;
-    const bool is_there = leap(system, leapt);
+    bool is_there = false;
+    try {
+      is_there = leap(system, leapt);
+    } catch (const NotFinite&) {
+      leapt = state;  // it leapt too far; a search takes care
+    }
     // What was won by the way is kept.
     if (is_there || merit(system, leapt) < merit(system, state)) state = leapt;
     if (is_there) return "";
