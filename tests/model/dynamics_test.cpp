@@ -417,6 +417,29 @@ TEST(SteppedIntegrator, InterpolatesBetweenItsSteps) {
   EXPECT_GT(without, 0);  // recorded more often than stepped
 }
 
+/// A run that goes on in fresh objects has the same bits: history, steps ahead of the record, and
+/// contact forces are part of what is saved.
+TEST(Dynamics, GoesOnFromWhatWasSaved) {
+  const Replacement floor{"/colliders/-",
+                          R"({"plugin": "plane", "point": [0, 0, -0.05], "friction": 0.4})"};
+  for (const char* name : {"backward_euler", "bdf2", "implicit_midpoint", "runge_kutta"})
+    for (const char* more : {"", R"(, "error": 1e-5)"}) {
+      const std::vector<Replacement> scene{
+          kGravity, kClamped, kStiffer, floor, integrator(name, 0.002, more), {"/duration", "0.3"}};
+      Simulation whole = simulation_from_text(kSheet, scene);
+      while (whole.steps() < 120) whole.step();
+      Memory memory;
+      whole.save(memory);
+      Simulation resumed = simulation_from_text(kSheet, scene);
+      resumed.load(memory);
+      while (whole.steps() < 150) whole.step(), resumed.step();
+      EXPECT_EQ(whole.state().r, resumed.state().r) << name << more;
+      EXPECT_EQ(whole.state().v, resumed.state().v) << name << more;
+      // It lies on the floor by then, so that contact had a part in it.
+      EXPECT_LT(whole.state().r.col(2).minCoeff(), -0.05 + 1e-3) << name << more;
+    }
+}
+
 /// Any stiffness, any step: Newton's method converges without shortening it, and the incremental
 /// potential falls.
 TEST(BackwardEuler, TakesAnyStep) {

@@ -1,6 +1,7 @@
 #include "solve/contact_multipliers.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace deform {
 namespace {
@@ -39,13 +40,17 @@ void ContactMultipliers::find(const System& system, const Stage& stage, const No
   }
 }
 
+const ContactMultipliers::Rub* ContactMultipliers::rub_of(const NodeContact& c) const {
+  const auto at = std::ranges::lower_bound(rubs_, std::pair(c.body, c.node), {},
+                                           [](const Rub& r) { return std::pair(r.body, r.node); });
+  return at != rubs_.end() && at->body == c.body && at->node == c.node ? &*at : nullptr;
+}
+
 std::vector<Touch> ContactMultipliers::touching() const {
   std::vector<Touch> all;
   for (const Push& push : pushes_) {
-    const auto rub = std::ranges::find_if(rubs_, [&](const Rub& r) {
-      return r.node == push.contact.node && r.body == push.contact.body;
-    });
-    all.push_back({push.contact.node, push.contact.normal, rub != rubs_.end() && rub->sticks()});
+    const Rub* rub = rub_of(push.contact);
+    all.push_back({push.contact.node, push.contact.normal, rub != nullptr && rub->sticks()});
   }
   std::ranges::stable_sort(all, {}, &Touch::node);
   return all;
@@ -92,10 +97,9 @@ void ContactMultipliers::update() {
     const NodeContact& c = push.contact;
     lambda(c) = push.force;
     if (c.friction == 0) continue;
-    const auto before = std::ranges::find_if(
-        rubs_, [&](const Rub& r) { return r.node == c.node && r.body == c.body; });
+    const Rub* before = rub_of(c);
     Rub rub{.node = c.node, .body = c.body, .normal = c.normal, .limit = c.friction * push.force};
-    if (before != rubs_.end()) rub.kept = before->force - before->force.dot(c.normal) * c.normal;
+    if (before != nullptr) rub.kept = before->force - before->force.dot(c.normal) * c.normal;
     rubs.push_back(rub);
   }
   rubs_ = std::move(rubs);

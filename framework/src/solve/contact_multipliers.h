@@ -52,6 +52,8 @@ class ContactMultipliers {
     Vec3 force = Vec3::Zero();    // T
     [[nodiscard]] bool sticks() const { return trial.norm() <= limit; }
   };
+  /// The friction kept for a contact; null where there is none.
+  [[nodiscard]] const Rub* rub_of(const NodeContact& c) const;
   [[nodiscard]] double& lambda(const NodeContact& c) {
     return lambda_[c.body * static_cast<std::size_t>(nodes_) + static_cast<std::size_t>(c.node)];
   }
@@ -60,8 +62,8 @@ class ContactMultipliers {
   NodeValues penalty_;          // κ of each node [N/m]
   double reach_ = 1;            // of the last stage: forces by r are κ · reach
   std::vector<double> lambda_;  // of each collider's nodes [N]
-  std::vector<Push> pushes_;
-  std::vector<Rub> rubs_;
+  std::vector<Push> pushes_;    // collider by collider, nodes ascending
+  std::vector<Rub> rubs_;       // likewise
 };
 
 }  // namespace deform

@@ -30,6 +30,20 @@ constexpr double kRoundingOfPositions = 1e-13;
 /// Forces that cancel to this part of what they are made of count as balanced where no step helps.
 constexpr double kRoundingOfForces = 1e-6;
 
+/// Has strains measured as a stage wants them while it lives, however the stage ends.
+class StrainsOfAStage {
+ public:
+  StrainsOfAStage(System& system, const Stage& s) : system_(system) {
+    if (s.by_strains) system_.measure_strains_from(1 / s.tau, s.start, s.s, s.earlier);
+  }
+  ~StrainsOfAStage() { system_.measure_strains_from(0, {}); }
+  StrainsOfAStage(const StrainsOfAStage&) = delete;
+  StrainsOfAStage& operator=(const StrainsOfAStage&) = delete;
+
+ private:
+  System& system_;
+};
+
 }  // namespace
 
 struct ImplicitStage::Impl {
@@ -58,7 +72,6 @@ struct ImplicitStage::Impl {
   double size = 0;
   bool with_contacts = false, contacts_begun = false;
   Tangent kind = Tangent::exact;
-
   bool projects_next = false;  // the exact tangent's direction did not help
   NodeValues mass, damping;    // M/τ², Γ/τ [N/m]
   NodeValues diagonal;         // their sum
@@ -74,7 +87,6 @@ void ImplicitStage::Impl::begin(System& system, const Stage& s) {
   stage = &s;
   has_potential = std::ranges::all_of(system.energies(),
                                       [](const auto& e) { return e.object->traits().potential; });
-  if (s.by_strains) system.measure_strains_from(1 / s.tau, s.start, s.s, s.earlier);
   has_beside = system.has_force_beside_potential();
   with_contacts = has_potential && system.colliders() > 0;
   contacts_begun = false;
@@ -227,7 +239,7 @@ bool ImplicitStage::Impl::is_converged(System& system, State& state, double norm
 
 /// Whole Newton steps, with the stress that the last one foresaw in their tangent: they turn parts
 /// of the surface by large angles without paying for how a straight step stretches them. True where
-/// they end in a solution with Φ below the guess'; else `state` is of no use.
+/// they end in a solution whose Φ is not above the guess'; else `state` is where they came to.
 bool ImplicitStage::Impl::leap(System& system, State& state) {
   const double begun = merit(system, state);
   for (std::int64_t i = 0;; ++i) {
@@ -300,6 +312,7 @@ ImplicitStage::~ImplicitStage() = default;
 
 std::string ImplicitStage::solve(System& system, const Stage& stage, State& state) {
   Impl& s = *impl_;
+  const StrainsOfAStage strains(system, stage);
   s.begin(system, stage);
   s.choose_guess(system, state);
   std::string reason = s.iterate(system, state);
@@ -307,7 +320,6 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
     system.step_report().potential_change += s.merit(system, state);
   // Without a potential of all forces Φ is another function at each search.
   if (s.has_beside) system.step_report().potential_change = std::nan("");
-  system.measure_strains_from(0, stage.start);
   if (!reason.empty()) return reason;
   s.set_velocity(state);
   return "";
