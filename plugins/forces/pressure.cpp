@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <map>
 
 #include <deform/model/force_field.h>
 
 #include "corners_of_nodes.h"
+#include "pairs_of_corners.h"
 
 namespace {
 using namespace deform;
@@ -49,9 +49,8 @@ class Pressure final : public ForceField {
       : pressure_(p.pressure),
         time_(p.time),
         corners_(setup.surface()),
-        closed_(is_closed(corners_.faces())) {
-    number_pairs();
-  }
+        pairs_(corners_.faces()),
+        closed_(is_closed(corners_.faces())) {}
 
   [[nodiscard]] double longest_step(double time) const override {
     return time_.until_next_point(time);
@@ -72,43 +71,20 @@ class Pressure final : public ForceField {
       energy[i] -= p / 3 * nodes.r[i].dot(volume_gradient(nodes.first + i, nodes.all_r));
   }
   [[nodiscard]] std::vector<std::pair<Index, Index>> tangent_pairs() const override {
-    return pairs_;
+    return pairs_.nodes();
   }
   /// Its symmetric part; the rest of it is nothing but what stands at an open border.
   void add_exact_tangent(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const override {
     const double p = time_(nodes.time) * pressure_;
-    auto place = places_.begin();
-    visit_pairs([&](Face face, std::size_t c, std::size_t d) {
+    pairs_.visit([&](std::size_t pair, Face face, std::size_t c, std::size_t d) {
       const Eigen::Matrix3d there = derivative(face, c, d, nodes.all_r),
                             back = derivative(face, d, c, nodes.all_r);
-      blocks[*place++] -= p / 2 * (there + back.transpose());
+      blocks[pair] -= p / 2 * (there + back.transpose());
     });
   }
 
  private:
   using Face = std::span<const std::int32_t>;
-
-  /// All pairs (c, d) of a face's corners, face by face, whose nodes ascend or are the same.
-  template <class Visit>
-  void visit_pairs(const Visit& visit) const {
-    const Faces& faces = corners_.faces();
-    for (std::size_t f = 0; f + 1 < faces.begin.size(); ++f) {
-      const auto first = static_cast<std::size_t>(faces.begin[f]);
-      const Face face(faces.nodes.data() + first,
-                      static_cast<std::size_t>(faces.begin[f + 1]) - first);
-      for (std::size_t c = 0; c < face.size(); ++c)
-        for (std::size_t d = 0; d < face.size(); ++d)
-          if (face[c] <= face[d]) visit(face, c, d);
-    }
-  }
-  void number_pairs() {
-    std::map<std::pair<Index, Index>, std::size_t> number;
-    visit_pairs([&](Face face, std::size_t c, std::size_t d) {
-      const auto [at, is_new] = number.try_emplace({face[c], face[d]}, pairs_.size());
-      if (is_new) pairs_.push_back(at->first);
-      places_.push_back(at->second);
-    });
-  }
 
   /// By how much one face's part of volume_gradient at corner c changes with corner d [m].
   static Eigen::Matrix3d derivative(Face face, std::size_t c, std::size_t d, ConstVectors r) {
@@ -145,9 +121,8 @@ class Pressure final : public ForceField {
   double pressure_;
   TimeProfile time_;
   CornersOfNodes corners_;
+  PairsOfCorners pairs_;
   bool closed_;
-  std::vector<std::pair<Index, Index>> pairs_;
-  std::vector<std::size_t> places_;  // in pairs_, of what visit_pairs visits
 };
 
 }  // namespace

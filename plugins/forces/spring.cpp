@@ -35,12 +35,12 @@ class Spring final : public ForceField {
   Spring(const Parameters& p, const Setup& setup)
       : anchor_(p.anchor), length_(p.rest_length), time_(p.time), k_(stiffness_shares(p, setup)) {}
 
-  /// Only without a rest length is ∂f/∂r a multiple of the identity.
   [[nodiscard]] double longest_step(double time) const override {
     return time_.until_next_point(time);
   }
+  /// Only without a rest length is ∂f/∂r a multiple of the identity.
   [[nodiscard]] ForceTraits traits() const override {
-    return {.potential = true, .isotropic_tangent = length_ == 0};
+    return {.potential = true, .isotropic_tangent = length_ == 0, .exact_tangent = length_ > 0};
   }
 
   void add_force(const NodeBlock& nodes, Vectors force) const override {
@@ -53,6 +53,24 @@ class Spring final : public ForceField {
   void add_tangent(const NodeBlock& nodes, Values stiffness, Values /*damping*/) const override {
     const double factor = time_(nodes.time);
     for (Index i = 0; i < nodes.size; ++i) stiffness[i] += factor * k_[nodes.first + i];
+  }
+  [[nodiscard]] std::vector<std::pair<Index, Index>> tangent_pairs() const override {
+    std::vector<std::pair<Index, Index>> pairs;
+    for (Index a = 0; a < k_.size(); ++a)
+      if (k_[a] > 0) pairs.emplace_back(a, a);
+    return pairs;
+  }
+  /// −∂f/∂r = k (e eᵀ + (1 − L/|d|) (I − e eᵀ)), e = d/|d|: along the spring, and across it.
+  void add_exact_tangent(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const override {
+    const double factor = time_(nodes.time);
+    auto block = blocks.begin();
+    for (Index a = 0; a < k_.size(); ++a) {
+      if (!(k_[a] > 0)) continue;
+      const Vec3 d = nodes.r[a] - anchor_, e = d.stableNormalized();
+      const Eigen::Matrix3d along = e * e.transpose();
+      *block++ += factor * k_[a] *
+                  (along + secant(d.norm()) * (Eigen::Matrix3d::Identity() - along));
+    }
   }
   void add_potential(const NodeBlock& nodes, Values energy) const override {
     const double factor = time_(nodes.time);

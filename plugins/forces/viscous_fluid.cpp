@@ -1,4 +1,5 @@
 #include <deform/model/force_field.h>
+#include <deform/surface/surface.h>
 
 namespace {
 using namespace deform;
@@ -19,8 +20,11 @@ struct Parameters {
 /// is the same. The time profile makes gusts: between them the fluid is still there, at rest.
 class ViscousFluid final : public ForceField {
  public:
-  ViscousFluid(const Parameters& p, const Setup& /*setup*/)
-      : viscosity_(p.viscosity), velocity_(p.velocity), time_(p.time) {}
+  ViscousFluid(const Parameters& p, const Setup& setup)
+      : nodes_(setup.surface().nodes()),
+        viscosity_(p.viscosity),
+        velocity_(p.velocity),
+        time_(p.time) {}
 
   [[nodiscard]] double longest_step(double time) const override {
     return time_.until_next_point(time);
@@ -35,7 +39,21 @@ class ViscousFluid final : public ForceField {
     }
   }
 
+  [[nodiscard]] std::vector<std::pair<Index, Index>> tangent_pairs() const override {
+    std::vector<std::pair<Index, Index>> pairs;
+    for (Index a = 0; a < nodes_; ++a) pairs.emplace_back(a, a);
+    return pairs;
+  }
+  /// c A n nᵀ.
+  void add_exact_damping(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const override {
+    for (Index a = 0; a < nodes_; ++a) {
+      const Vec3 n = nodes.normal[a];
+      blocks[static_cast<std::size_t>(a)] += viscosity_ * nodes.area[a] * n * n.transpose();
+    }
+  }
+
  private:
+  Index nodes_;
   double viscosity_;
   Vec3 velocity_;
   TimeProfile time_;

@@ -3,6 +3,7 @@
 #include <deform/model/force_field.h>
 
 #include "corners_of_nodes.h"
+#include "pairs_of_corners.h"
 
 namespace {
 using namespace deform;
@@ -39,13 +40,14 @@ class Wind final : public ForceField {
         drag_(p.drag),
         friction_(p.friction),
         time_(p.time),
-        corners_(setup.surface()) {}
+        corners_(setup.surface()),
+        pairs_(corners_.faces()) {}
 
   [[nodiscard]] double longest_step(double time) const override {
     return time_.until_next_point(time);
   }
   [[nodiscard]] ForceTraits traits() const override {
-    return {.neighbours = true, .damping_bound = true};
+    return {.neighbours = true, .damping_bound = true, .exact_damping = true};
   }
 
   void add_force(const NodeBlock& nodes, Vectors force) const override {
@@ -61,8 +63,17 @@ class Wind final : public ForceField {
     }
   }
 
-  /// Of a face with k corners, −∂f_a/∂v_b = J/k² for each two of them with a semidefinite J whose
-  /// largest eigenvalue is ρ A max(c_n |u·n|, c_t |u_t|): that, divided by k, at every corner
+  [[nodiscard]] std::vector<std::pair<Index, Index>> tangent_pairs() const override {
+    return pairs_.nodes();
+  }
+  /// Of a face with k corners, −∂f_a/∂v_b = J/k² for each two of them.
+  void add_exact_damping(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const override {
+    pairs_.visit([&](std::size_t pair, Face face, std::size_t /*c*/, std::size_t /*d*/) {
+      const auto corners = static_cast<double>(face.size());
+      blocks[pair] += derivative(stream(face, nodes)) / (corners * corners);
+    });
+  }
+  /// J's largest eigenvalue is ρ A max(c_n |u·n|, c_t |u_t|): that, divided by k, at every corner
   /// bounds it. It is at least twice the force over u, so that a step cannot overshoot.
   void add_tangent(const NodeBlock& nodes, Values /*stiffness*/, Values damping) const override {
     for (Index i = 0; i < nodes.size; ++i)
@@ -74,6 +85,8 @@ class Wind final : public ForceField {
   }
 
  private:
+  using Face = std::span<const std::int32_t>;
+
   /// The air as a face feels it.
   struct Stream {
     double area = 0;  ///< [m²]
@@ -82,7 +95,17 @@ class Wind final : public ForceField {
     Vec3 tangential = Vec3::Zero();  ///< u − (u·n) n [m/s]
   };
 
-  [[nodiscard]] Stream stream(std::span<const std::int32_t> face, const NodeBlock& nodes) const {
+  /// J = ∂F/∂u of a face's force F, symmetric and positive semi-definite.
+  [[nodiscard]] Eigen::Matrix3d derivative(const Stream& s) const {
+    const Eigen::Matrix3d across = s.n * s.n.transpose();
+    const Eigen::Matrix3d along = Eigen::Matrix3d::Identity() - across;
+    const Vec3 e = s.tangential.stableNormalized();
+    return half_density_ * s.area *
+           (2 * drag_ * std::abs(s.normal) * across +
+            friction_ * s.tangential.norm() * (along + e * e.transpose()));
+  }
+
+  [[nodiscard]] Stream stream(Face face, const NodeBlock& nodes) const {
     const Vec3 area = area_vector(face, nodes.all_r, mean(face, nodes.all_r));
     Stream s;
     s.area = area.norm();
@@ -99,6 +122,7 @@ class Wind final : public ForceField {
   double drag_, friction_;
   TimeProfile time_;
   CornersOfNodes corners_;
+  PairsOfCorners pairs_;
 };
 
 }  // namespace

@@ -193,40 +193,66 @@ void check_damping_bound(Cloud c, Checks& checks) {
   checks.below("−∂f/∂v is at most the damping that bounds it", largest, 1 + 1e-6);
 }
 
-/// x·K x against the change of x·f along x, fourth-order differences: for all x, that is the
-/// symmetric part of −∂f/∂r.
-void check_exact_tangent(Cloud c, Checks& checks) {
-  constexpr double h = 1e-5;
-  const auto pairs = c.field.tangent_pairs();
+void check_pairs(const Cloud& c, Checks& checks) {
+  auto pairs = c.field.tangent_pairs();
   const Index n = c.r.rows();
-  auto ordered = pairs;
-  std::ranges::sort(ordered);
+  std::ranges::sort(pairs);
   checks.holds("its tangent's pairs of nodes are ascending, existing, each once",
-               std::ranges::adjacent_find(ordered) == ordered.end() &&
+               std::ranges::adjacent_find(pairs) == pairs.end() &&
                    std::ranges::all_of(pairs,
                                        [&](const auto& p) {
                                          return 0 <= p.first && p.first <= p.second && p.second < n;
                                        }),
                "one is not");
-  std::vector<Eigen::Matrix3d> blocks(pairs.size(), Eigen::Matrix3d::Zero());
-  c.field.add_exact_tangent(c.block(0, n), blocks);
+}
+
+/// y·K y for the matrix of blocks between pairs of nodes, the lower half being the upper's mirror.
+double quadratic_form(const Cloud& c, const std::vector<Eigen::Matrix3d>& blocks,
+                      const NodeVectors& y) {
+  const auto pairs = c.field.tangent_pairs();
+  double sum = 0;
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const auto& [a, b] = pairs[p];
+    sum += (a == b ? 1 : 2) * y.row(a).dot(blocks[p] * y.row(b).transpose());
+  }
+  return sum;
+}
+
+/// y·K y against the change of y·f along y in x, positions or velocities, by fourth-order
+/// differences: for all y, that is the symmetric part of −∂f/∂x.
+void check_blocks(Cloud c, NodeVectors Cloud::*x, const std::vector<Eigen::Matrix3d>& blocks,
+                  const char* name, Checks& checks) {
+  constexpr double h = 1e-5;
   double scale = c.force().norm();
   for (const Eigen::Matrix3d& block : blocks) scale = std::max(scale, block.norm());
-  const NodeVectors r = c.r;
+  const NodeVectors at = c.*x;
   for (unsigned seed = 1; seed <= 8; ++seed) {
-    const NodeVectors x = random_directions(n, seed);
-    double promised = 0;
-    for (std::size_t p = 0; p < pairs.size(); ++p) {
-      const auto& [a, b] = pairs[p];
-      promised += (a == b ? 1 : 2) * x.row(a).dot(blocks[p] * x.row(b).transpose());
-    }
+    const NodeVectors y = random_directions(at.rows(), seed);
     const auto along = [&](double step) {
-      c.r = r + step * x;
-      return c.force().cwiseProduct(x).sum();
+      c.*x = at + step * y;
+      return c.force().cwiseProduct(y).sum();
     };
     const double found = -(8 * (along(h) - along(-h)) - (along(2 * h) - along(-2 * h))) / (12 * h);
-    checks.below("exact tangent = −∂f/∂r, symmetric part",
-                 relative(std::abs(promised - found), scale), 1e-6);
+    checks.below(name, relative(std::abs(quadratic_form(c, blocks, y) - found), scale), 1e-6);
+  }
+}
+
+void check_exact_tangent(const Cloud& c, Checks& checks) {
+  check_pairs(c, checks);
+  std::vector<Eigen::Matrix3d> blocks(c.field.tangent_pairs().size(), Eigen::Matrix3d::Zero());
+  c.field.add_exact_tangent(c.block(0, c.r.rows()), blocks);
+  check_blocks(c, &Cloud::r, blocks, "exact tangent = −∂f/∂r, symmetric part", checks);
+}
+
+void check_exact_damping(const Cloud& c, Checks& checks) {
+  check_pairs(c, checks);
+  std::vector<Eigen::Matrix3d> blocks(c.field.tangent_pairs().size(), Eigen::Matrix3d::Zero());
+  c.field.add_exact_damping(c.block(0, c.r.rows()), blocks);
+  check_blocks(c, &Cloud::v, blocks, "exact damping = −∂f/∂v, symmetric part", checks);
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const NodeVectors y = random_directions(c.r.rows(), seed);
+    checks.holds("exact damping takes energy", quadratic_form(c, blocks, y) >= 0,
+                 "it gives energy to a random motion");
   }
 }
 
@@ -261,6 +287,7 @@ void check_force_contract(const Subject& subject, Checks& checks) {
         if (traits.isotropic_tangent) check_tangents(c, checks);
         if (traits.damping_bound) check_damping_bound(c, checks);
         if (traits.exact_tangent) check_exact_tangent(c, checks);
+        if (traits.exact_damping) check_exact_damping(c, checks);
         checks.report("largest force on a node", c.force().rowwise().norm().maxCoeff(), "N");
       }
     });

@@ -24,6 +24,13 @@ void ForceField::add_exact_tangent(const NodeBlock& /*nodes*/,
   }
 }
 
+void ForceField::add_exact_damping(const NodeBlock& /*nodes*/,
+                                   std::span<Eigen::Matrix3d> /*blocks*/) const {
+  if (traits().exact_damping) {
+    throw PluginFailure("a force field declares an exact damping without add_exact_damping");
+  }
+}
+
 void ForceField::add_potential(const NodeBlock& /*nodes*/, Values /*energy*/) const {
   if (traits().potential) {
     throw PluginFailure("a force field declares potential without add_potential");

@@ -27,7 +27,7 @@ ExternalForces::ExternalForces(const ModelParts& parts)
     needs_normals_ = needs_normals_ || traits_.back().normals;
     needs_neighbours_ = needs_neighbours_ || traits_.back().neighbours;
     auto& pairs = pairs_.emplace_back();
-    if (!traits_.back().exact_tangent) continue;
+    if (!traits_.back().exact_tangent && !traits_.back().exact_damping) continue;
     pairs = guarded(f.origin, "naming the nodes of its tangent",
                     [&] { return f.object->tangent_pairs(); });
     for (const auto& [a, b] : pairs)
@@ -90,29 +90,36 @@ void ExternalForces::add_force(const State& state, const NodeVectors& normals, N
 
 void ExternalForces::add_tangent(const State& state, const NodeVectors& normals,
                                  NodeValues& stiffness, NodeValues& damping,
-                                 const Named<ForceField>* only) {
+                                 const Named<ForceField>* only, bool spares_exact) {
   visit_blocks(state, normals, only,
                [&](const ForceField& field, const ForceTraits& traits, const NodeBlock& block) {
                  if (!traits.isotropic_tangent && !traits.damping_bound) return;
+                 if (spares_exact && traits.exact_damping) return;
                  const auto size = static_cast<std::size_t>(block.size);
                  field.add_tangent(block, {stiffness.data() + block.first, size},
                                    {damping.data() + block.first, size});
                });
 }
 
-void ExternalForces::add_exact_tangent(const State& state, const NodeVectors& normals,
+void ExternalForces::add_exact_tangent(const State& state, const NodeVectors& normals, double rate,
                                        BlockMatrix& k) {
   const World world = world_of(state, normals);
   const NodeBlock nodes = block_of(world, 0, state.r.rows());
   const Vec3 reflection(1, 1, mirrored_ ? -1 : 1);
+  const Eigen::Matrix3d zero = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < forces_.size(); ++i) {
-    if (pairs_[i].empty()) continue;
-    blocks_.assign(pairs_[i].size(), Eigen::Matrix3d::Zero());
-    guarded(forces_[i].origin, "computing its tangent",
-            [&] { forces_[i].object->add_exact_tangent(nodes, blocks_); });
+    const bool damps = traits_[i].exact_damping && rate != 0;
+    if (!traits_[i].exact_tangent && !damps) continue;
+    blocks_.assign(pairs_[i].size(), zero);
+    damping_blocks_.assign(damps ? pairs_[i].size() : 0, zero);
+    guarded(forces_[i].origin, "computing its tangent", [&] {
+      if (traits_[i].exact_tangent) forces_[i].object->add_exact_tangent(nodes, blocks_);
+      if (damps) forces_[i].object->add_exact_damping(nodes, damping_blocks_);
+    });
     for (std::size_t p = 0; p < pairs_[i].size(); ++p) {
       const auto& [a, b] = pairs_[i][p];
       Eigen::Matrix3d block = blocks_[p];
+      if (damps) block += rate * damping_blocks_[p];
       if (a == b) block = (0.5 * (block + block.transpose())).eval();
       k.block(a, b) += reflection.asDiagonal() * block * reflection.asDiagonal();
     }

@@ -23,17 +23,20 @@ class ExternalForces {
   /// f += forces at a state; normals (N × 3) only where needed.
   void add_force(const State& state, const NodeVectors& normals, NodeVectors& f,
                  const Named<ForceField>* only = nullptr);
-  /// Adds the scalar tangents, or what bounds them, of those that have any [N/m], [N·s/m].
+  /// Adds the scalar tangents, or what bounds them, of those that have any [N/m], [N·s/m]; but no
+  /// bounds in place of an exact damping when `spares_exact`.
   void add_tangent(const State& state, const NodeVectors& normals, NodeValues& stiffness,
-                   NodeValues& damping, const Named<ForceField>* only = nullptr);
+                   NodeValues& damping, const Named<ForceField>* only = nullptr,
+                   bool spares_exact = false);
   /// Calls visit(a, b), a ≤ b, for every pair of nodes that a tangent links.
   template <class Visit>
   void visit_pattern(const Visit& visit) const {
     for (const auto& pairs : pairs_)
       for (const auto& [a, b] : pairs) visit(a, b);
   }
-  /// K −= ∂f/∂r of those that have a tangent.
-  void add_exact_tangent(const State& state, const NodeVectors& normals, BlockMatrix& k);
+  /// K −= ∂f/∂r + rate ∂f/∂v of those that know them; rate: dv/dr [1/s].
+  void add_exact_tangent(const State& state, const NodeVectors& normals, double rate,
+                         BlockMatrix& k);
   /// Names of the fields that a Newton step knows no tangent of, though they depend on positions or
   /// say nothing of it; and of those without a potential.
   [[nodiscard]] std::vector<std::string> without_tangent() const;
@@ -59,7 +62,7 @@ class ExternalForces {
   const std::vector<Named<ForceField>> forces_;
   std::vector<ForceTraits> traits_;
   std::vector<std::vector<std::pair<Index, Index>>> pairs_;  // of each field
-  std::vector<Eigen::Matrix3d> blocks_;
+  std::vector<Eigen::Matrix3d> blocks_, damping_blocks_;
   const NodeValues areas_;
   const NodeValues mass_;
   bool mirrored_;

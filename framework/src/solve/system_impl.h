@@ -16,6 +16,7 @@
 #include "solve/tangent_assembler.h"
 #include "solve/tangent_solver.h"
 #include "solve/tuple_assembler.h"
+#include "solve/turning_step.h"
 
 namespace deform {
 
@@ -90,6 +91,7 @@ struct System::Impl {
   std::optional<ColouredJacobian> jacobian;
   BlockMatrix no_stiffness;                  // of the pattern of masses
   std::optional<TangentSolver> mass_solver;  // made when first needed
+  std::optional<TurningStep> turning;        // likewise
   StepReport report;
   StepTimes times;
 };

@@ -65,7 +65,8 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
   for (TupleAssembler& t : impl_->tuples) t.add_tangent(state.r, kind, k);
   impl_->force_stiffness.setZero();
   impl_->force_damping.setZero();
-  impl_->external.add_tangent(state, impl_->normals, impl_->force_stiffness, impl_->force_damping);
+  impl_->external.add_tangent(state, impl_->normals, impl_->force_stiffness, impl_->force_damping,
+                             nullptr, true);
   for (Index a = 0; a < k.nodes; ++a)
     k.block(a, a).diagonal().array() += impl_->force_stiffness[a] + rate * impl_->force_damping[a];
   if (impl_->strain_rate > 0) impl_->add_strain_damping_tangent(kind, k);
@@ -74,7 +75,7 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
     const std::vector<double>& damping = impl_->damping.value;
     for (std::size_t i = 0; i < k.value.size(); ++i) k.value[i] += rate * damping[i];
   }
-  impl_->external.add_exact_tangent(state, impl_->normals, k);
+  impl_->external.add_exact_tangent(state, impl_->normals, rate, k);
   const Eigen::Map<const Eigen::VectorXd> values(k.value.data(),
                                                  static_cast<Index>(k.value.size()));
   if (!values.allFinite())
@@ -128,6 +129,15 @@ void System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
   impl_->tangent_solver->solve(b, x);
 }
 
+double System::aim(const NodeVectors& r, const NodeVectors& d) {
+  if (!impl_->turning)
+    impl_->turning.emplace(surface(), rest(), *impl_->map, impl_->held_freedoms,
+                           impl_->parts.make_solvers);
+  return impl_->turning->aim(r, d);
+}
+
+void System::turn(double s, NodeVectors& r) { impl_->turning->take(s, r); }
+
 System::Stability System::stability() {
   impl_->make_tangent_solver();
   const NodeValues zero = NodeValues::Zero(nodes());
@@ -148,6 +158,7 @@ std::vector<Freedom> System::hold_rigid_motions(const NodeVectors& r) {
   if (held == impl_->held_freedoms) return held;
   impl_->held_freedoms = held;
   impl_->tangent_solver.reset();
+  impl_->turning.reset();
   impl_->jacobian.reset();
   return held;
 }

@@ -39,6 +39,9 @@ struct ForceTraits {
   bool damping_bound = false;
   /// Offers `tangent_pairs` and `add_exact_tangent`: Newton steps then converge quadratically.
   bool exact_tangent = false;
+  /// Offers `tangent_pairs` and `add_exact_damping`: Newton steps then take that in place of a
+  /// bound.
+  bool exact_damping = false;
 };
 
 /// An external force. Contract: const and thread-safe on blocks of nodes; adds; a node's force
@@ -56,11 +59,14 @@ class DEFORM_API ForceField : public Plugin {
   /// the damping that bounds it.
   virtual void add_tangent(const NodeBlock& nodes, Values stiffness, Values damping) const;
   /// Pairs (a, b), a ≤ b, of nodes whose forces depend on each other's (or, a = b, their own)
-  /// positions, each once; fixed for the object's life.
+  /// positions or velocities, each once; fixed for the object's life.
   [[nodiscard]] virtual std::vector<std::pair<Index, Index>> tangent_pairs() const;
   /// Adds −∂f_a/∂r_b [N/m] of each of these pairs, in their order; `nodes` are all nodes. Where it
   /// is not symmetric, as of a load that follows the surface, its symmetric part is used.
   virtual void add_exact_tangent(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const;
+  /// Adds −∂f_a/∂v_b [N·s/m] of each of these pairs, in their order, likewise; positive
+  /// semi-definite as a whole.
+  virtual void add_exact_damping(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const;
   /// Adds the potential energy of each node [J]; the force is −∇ of their sum.
   virtual void add_potential(const NodeBlock& nodes, Values energy) const;
 };

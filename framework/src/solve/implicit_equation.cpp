@@ -1,0 +1,147 @@
+#include "solve/implicit_equation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solve/not_finite.h"
+
+namespace deform {
+namespace {
+
+/// Where a tangent is indefinite, this part of its mean stiffness is added to it; ten times it, ….
+constexpr double kLeastShift = 1e-3;
+
+}  // namespace
+
+void ImplicitEquation::begin(System& system, const Stage& s) {
+  system_ = &system;
+  stage_ = &s;
+  has_potential_ = std::ranges::all_of(system.energies(),
+                                       [](const auto& e) { return e.object->traits().potential; });
+  has_beside_ = system.has_force_beside_potential();
+  with_contacts_ = has_potential_ && system.colliders() > 0;
+  contacts_begun_ = false;
+  const auto& rest = system.rest();
+  size_ = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  mass_ = system.mass() / (s.tau * s.tau);
+  damping_ = system.damping() / s.tau;
+  diagonal_ = mass_ + damping_;
+  inertial_ = s.r_base + s.tau * s.v_base;
+}
+
+void ImplicitEquation::set_velocity(State& state) const {
+  state.v = (state.r - stage_->r_base) / stage_->tau;
+  state.time = stage_->time;
+}
+
+void ImplicitEquation::begin_way(State& state) {
+  if (!has_potential_ || !has_beside_) return;
+  set_velocity(state);
+  way_ = {state.r, system_->force_beside_potential(state), 0};
+}
+
+/// By the trapezoidal rule on the straight way from the last evaluation.
+double ImplicitEquation::work_to(const State& state, const NodeVectors& beside) const {
+  return 0.5 * (way_.beside + beside).cwiseProduct(state.r - way_.from).sum();
+}
+
+double ImplicitEquation::incremental_potential(const State& state) {
+  const NodeVectors from_base = state.r - stage_->r_base, from_inertial = state.r - inertial_;
+  double sum = 0;
+  for (int c = 0; c < 3; ++c) {
+    sum += 0.5 * mass_.dot(from_inertial.col(c).cwiseAbs2());
+    sum += 0.5 * damping_.dot(from_base.col(c).cwiseAbs2());
+  }
+  sum += system_->potential(state) + system_->damping_potential(state);
+  if (contacts_begun_) {
+    contacts_.find(*system_, *stage_, state.r);
+    sum += contacts_.potential();
+  }
+  return sum;
+}
+
+double ImplicitEquation::merit(State& state) {
+  try {
+    if (!has_potential_) return evaluated_residual(state);
+    set_velocity(state);
+    double sum = incremental_potential(state);
+    if (has_beside_) sum -= way_.work + work_to(state, system_->force_beside_potential(state));
+    return sum;
+  } catch (const NotFinite&) {
+    return kInfinity;
+  }
+}
+
+void ImplicitEquation::evaluate_tangent(State& state, Tangent kind, const NodeVectors* before) {
+  system_->evaluate_with_tangent(state, kind, before, 1 / stage_->tau);
+  if (!with_contacts_) return;
+  if (!contacts_begun_) contacts_.begin(*system_, diagonal_ + system_->mean_stiffness());
+  contacts_begun_ = true;
+  contacts_.find(*system_, *stage_, state.r);
+  contacts_.add_tangent(*system_);
+}
+
+void ImplicitEquation::evaluate(State& state, Tangent kind, const NodeVectors& before) {
+  set_velocity(state);
+  if (!has_potential_) return system_->evaluate(state);
+  evaluate_tangent(state, kind, kind == Tangent::foreseen ? &before : nullptr);
+  if (!has_beside_) return;
+  const NodeVectors beside = system_->force_beside_potential(state);
+  way_ = {state.r, beside, way_.work + work_to(state, beside)};
+}
+
+double ImplicitEquation::residual(const State& state) {
+  left_ = -(mass_.asDiagonal() * (state.r - inertial_));
+  const NodeVectors damped = -(damping_.asDiagonal() * (state.r - stage_->r_base));
+  scale_ = std::max({left_.norm(), damped.norm(), system_->force().norm()});
+  left_ += damped + system_->force();
+  if (contacts_begun_) contacts_.add_force(left_);
+  system_->reduce_force(left_);
+  return left_.norm();
+}
+
+double ImplicitEquation::evaluated_residual(State& state) {
+  set_velocity(state);
+  system_->evaluate(state);
+  if (contacts_begun_) contacts_.find(*system_, *stage_, state.r);
+  return residual(state);
+}
+
+double ImplicitEquation::update_contacts(const State& state) {
+  contacts_.update();
+  contacts_.find(*system_, *stage_, state.r);
+  return residual(state);
+}
+
+std::string ImplicitEquation::find_direction(State& state, Tangent& kind, NodeVectors& direction) {
+  if (!has_potential_) {
+    system_->evaluate_with_jacobian(state, 1 / stage_->tau);
+    std::string reason = system_->factor_jacobian(diagonal_);
+    if (reason.empty()) system_->solve_jacobian(left_, direction);
+    return reason;
+  }
+  std::string reason = system_->factor_tangent(diagonal_);
+  if (!reason.empty()) {
+    if (kind != Tangent::projected) {
+      kind = Tangent::projected;
+      evaluate_tangent(state, kind, nullptr);
+      reason = system_->factor_tangent(diagonal_);
+    }
+    // Loads that follow the surface are in it as they are: with as much stiffness as it takes.
+    const NodeValues mean = system_->mean_stiffness().cwiseMax(0);
+    for (double more = kLeastShift; !reason.empty() && more <= 1; more *= 10)
+      reason = system_->factor_tangent(diagonal_ + more * mean);
+  }
+  if (reason.empty()) system_->solve_tangent(left_, direction);
+  return reason;
+}
+
+bool ImplicitEquation::find_full_direction(State& state, NodeVectors& direction) {
+  if (contacts_begun_ && !contacts_.touching().empty()) return false;  // not in the Jacobian
+  system_->evaluate_with_jacobian(state, 1 / stage_->tau);
+  if (!system_->factor_jacobian(diagonal_).empty()) return false;
+  system_->solve_jacobian(left_, direction);
+  return slope(direction) < 0;
+}
+
+}  // namespace deform

@@ -1,0 +1,112 @@
+#include "solve/turning_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+namespace deform {
+namespace {
+
+/// Keeps the matrix of a free surface regular: translations, which no link knows.
+constexpr double kRegular = 1e-9;
+
+/// Two corners of a face each, once.
+std::vector<std::pair<Index, Index>> links_of(const Faces& faces) {
+  std::vector<std::pair<Index, Index>> links;
+  for (std::size_t f = 0; f + 1 < faces.begin.size(); ++f)
+    for (auto i = faces.begin[f]; i < faces.begin[f + 1]; ++i)
+      for (auto j = faces.begin[f]; j < i; ++j) {
+        const Index a = faces.nodes[static_cast<std::size_t>(i)],
+                    b = faces.nodes[static_cast<std::size_t>(j)];
+        links.emplace_back(std::min(a, b), std::max(a, b));
+      }
+  std::ranges::sort(links);
+  links.erase(std::unique(links.begin(), links.end()), links.end());
+  return links;
+}
+
+Vec3 turned(const Vec3& by, const Vec3& x) {
+  const double angle = by.norm();
+  return angle > 0 ? Vec3(Eigen::AngleAxisd(angle, by / angle) * x) : x;
+}
+
+BlockMatrix pattern_of(const std::vector<std::pair<Index, Index>>& links, Index nodes) {
+  BlockMatrix k;
+  k.nodes = nodes;
+  auto link = links.begin();
+  for (Index a = 0; a < nodes; ++a) {
+    k.column.push_back(static_cast<std::int32_t>(a));
+    for (; link != links.end() && link->first == a; ++link)
+      k.column.push_back(static_cast<std::int32_t>(link->second));
+    k.row_begin.push_back(static_cast<std::int32_t>(k.column.size()));
+  }
+  k.value.assign(9 * k.column.size(), 0.0);
+  return k;
+}
+
+}  // namespace
+
+TurningStep::TurningStep(const Surface& surface, const NodeVectors& rest, const ReductionMap& map,
+                         const std::vector<Freedom>& held,
+                         const SolverQueue::MakeSolvers& make_solvers)
+    : laplacian_(pattern_of(links_of(surface.faces()), surface.nodes())),
+      solver_(map, laplacian_, held, make_solvers) {
+  double sum = 0;
+  for (const auto& [a, b] : links_of(surface.faces())) {
+    const double weight = 1 / (rest.row(b) - rest.row(a)).squaredNorm();
+    links_.push_back({a, b, weight});
+    const Eigen::Matrix3d block = weight * Eigen::Matrix3d::Identity();
+    laplacian_.block(a, a) += block;
+    laplacian_.block(b, b) += block;
+    laplacian_.block(a, b) -= block;
+    sum += 2 * weight;
+  }
+  const NodeValues regular =
+      NodeValues::Constant(surface.nodes(), kRegular * sum / static_cast<double>(surface.nodes()));
+  (void)solver_.factor(laplacian_, regular);
+}
+
+/// ω_a minimises Σ w |d_b − d_a − ω_a × e|² over the links of a.
+double TurningStep::aim(const NodeVectors& r, const NodeVectors& d) {
+  from_ = r;
+  direction_ = d;
+  turn_.setZero(r.rows(), 3);
+  std::vector<Eigen::Matrix3d> normal(static_cast<std::size_t>(r.rows()), Eigen::Matrix3d::Zero());
+  for (const auto& [a, b, weight] : links_) {
+    const Vec3 e = r.row(b) - r.row(a), change = d.row(b) - d.row(a);
+    const Eigen::Matrix3d part =
+        weight * (e.squaredNorm() * Eigen::Matrix3d::Identity() - e * e.transpose());
+    const Vec3 moment = weight * e.cross(change);
+    for (const Index node : {a, b}) {
+      normal[static_cast<std::size_t>(node)] += part;
+      turn_.row(node) += moment;
+    }
+  }
+  double largest = 0;
+  for (Index a = 0; a < r.rows(); ++a) {
+    Eigen::Matrix3d& m = normal[static_cast<std::size_t>(a)];
+    m.diagonal().array() += 1e-9 * m.trace();
+    turn_.row(a) = m.ldlt().solve(Vec3(turn_.row(a)));
+    largest = std::max(largest, turn_.row(a).norm());
+  }
+  return largest;
+}
+
+void TurningStep::take(double s, NodeVectors& r) {
+  r = from_ + s * direction_;
+  NodeVectors pull = NodeVectors::Zero(r.rows(), 3), correction;
+  for (const auto& [a, b, weight] : links_) {
+    const Vec3 e = from_.row(b) - from_.row(a), change = direction_.row(b) - direction_.row(a);
+    const Vec3 turn = 0.5 * (turn_.row(a) + turn_.row(b));
+    const Vec3 target = turned(s * turn, e + s * (change - turn.cross(e)));
+    const Vec3 left = weight * (target - Vec3(r.row(b) - r.row(a)));
+    pull.row(a) -= left;
+    pull.row(b) += left;
+  }
+  solver_.solve(pull, correction);
+  r += correction;
+}
+
+}  // namespace deform

@@ -1,0 +1,43 @@
+/// Steps along a direction that turn parts of the surface instead of stretching them.
+#pragma once
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "deform/solve/block_matrix.h"
+#include "deform/surface/surface.h"
+
+#include "solve/tangent_solver.h"
+
+namespace deform {
+
+/// A straight step r + s d along a direction that turns the surface by an angle θ stretches it by
+/// θ²/2, which a thin sheet resists so much that a search along straight lines hardly moves. A
+/// turning step splits the change d_b − d_a of each link e = r_b − r_a (two corners of a face) into
+/// the turn ω × e of its neighbourhood and the rest η, and takes the links to R(s ω)(e + s η),
+/// R: a rotation by a finite angle; positions fit these best. To first order in s both steps are
+/// the same. (Rotation–strain coordinates; Huang et al. 2011, for displacements between modes.)
+class TurningStep {
+ public:
+  TurningStep(const Surface& surface, const NodeVectors& rest, const ReductionMap& map,
+              const std::vector<Freedom>& held, const SolverQueue::MakeSolvers& make_solvers);
+
+  /// Takes a direction d at r (both N × 3). Returns the largest angle by which it turns [rad].
+  double aim(const NodeVectors& r, const NodeVectors& d);
+  /// Positions after s times that direction.
+  void take(double s, NodeVectors& r);
+
+ private:
+  struct Link {
+    Index a, b;
+    double weight;  // [1/m²]
+  };
+
+  std::vector<Link> links_;
+  BlockMatrix laplacian_;
+  TangentSolver solver_;
+  NodeVectors from_, direction_, turn_;  // (N × 3) [m], [m], [rad]
+};
+
+}  // namespace deform
