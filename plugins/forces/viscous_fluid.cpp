@@ -29,7 +29,9 @@ class ViscousFluid final : public ForceField {
   [[nodiscard]] double longest_step(double time) const override {
     return time_.until_next_point(time);
   }
-  [[nodiscard]] ForceTraits traits() const override { return {.normals = true}; }
+  [[nodiscard]] ForceTraits traits() const override {
+    return {.normals = true, .exact_damping = true};
+  }
 
   void add_force(const NodeBlock& nodes, Vectors force) const override {
     const Vec3 u = time_(nodes.time) * velocity_;
