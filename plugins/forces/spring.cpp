@@ -68,8 +68,8 @@ class Spring final : public ForceField {
       if (!(k_[a] > 0)) continue;
       const Vec3 d = nodes.r[a] - anchor_, e = d.stableNormalized();
       const Eigen::Matrix3d along = e * e.transpose();
-      *block++ += factor * k_[a] *
-                  (along + secant(d.norm()) * (Eigen::Matrix3d::Identity() - along));
+      *block++ +=
+          factor * k_[a] * (along + secant(d.norm()) * (Eigen::Matrix3d::Identity() - along));
     }
   }
   void add_potential(const NodeBlock& nodes, Values energy) const override {

@@ -20,8 +20,8 @@ const std::string kStiff = R"({
   "energies": [{"plugin": "koiter", "young": 1e9, "poisson": 0.2, "thickness": 0.0003}],
   "forces": [], "constraints": [],
   "integrator": {"plugin": "backward_euler", "step": 0.1}, "duration": 0.5})";
-const Replacement kPinned{"/constraints/-",
-                          R"({"plugin": "pin", "where": {"corners": ["left_bottom", "left_top"]}})"};
+const Replacement kPinned{
+    "/constraints/-", R"({"plugin": "pin", "where": {"corners": ["left_bottom", "left_top"]}})"};
 
 NodeVectors random_vectors(Index n, unsigned seed) {
   std::mt19937 random(seed);

@@ -1,4 +1,5 @@
-/// The equation of a stage: what is left over of it, its incremental potential, Newton's directions.
+/// The equation of a stage: what is left over of it, its incremental potential, Newton's
+/// directions.
 #pragma once
 
 #include <string>

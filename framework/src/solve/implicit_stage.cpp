@@ -82,8 +82,8 @@ struct ImplicitStage::Impl {
     ImplicitEquation::Way way;
   };
   Lowest lowest;
-  double begun = 0;  // merit of the guess
-  int patience = 0;  // steps since the lowest
+  double begun = 0;   // merit of the guess
+  int patience = 0;   // steps since the lowest
   bool leaps = true;  // steps need not make the merit smaller one by one
   double turn = 0;    // the largest that a leap may make [rad]
   double tried = 0;   // that of the first since the lowest

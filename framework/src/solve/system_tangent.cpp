@@ -66,7 +66,7 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
   impl_->force_stiffness.setZero();
   impl_->force_damping.setZero();
   impl_->external.add_tangent(state, impl_->normals, impl_->force_stiffness, impl_->force_damping,
-                             nullptr, true);
+                              nullptr, true);
   for (Index a = 0; a < k.nodes; ++a)
     k.block(a, a).diagonal().array() += impl_->force_stiffness[a] + rate * impl_->force_damping[a];
   if (impl_->strain_rate > 0) impl_->add_strain_damping_tangent(kind, k);

@@ -51,11 +51,12 @@ struct StageSettings {
 /// Solves stages one after another; remembers what the next may profit from.
 ///
 /// Energies with a potential: Newton's method on Φ, with the exact tangent while that is positive
-/// definite, else the projected one; a line search sees to it that Φ falls. Forces without a
-/// potential (drag, damping of materials, followers) are taken as constant while a search lasts,
-/// with what is positive semidefinite of their tangent. Colliders act by an augmented Lagrangian:
-/// normal forces and friction (Coulomb's law, sticking included) are multipliers that are updated
-/// until they hold.
+/// definite, else the projected one. Steps turn parts of the surface by finite angles
+/// (System::turn); at first Φ need not fall at each, then a line search sees to it that it does.
+/// Forces without a potential (drag, damping of materials, followers) count by their work on the
+/// way, with the symmetric part of their tangent; where that converges slowly close to a solution,
+/// with the Jacobian of all forces. Colliders act by an augmented Lagrangian: normal forces and
+/// friction (Coulomb's law, sticking included) are multipliers that are updated until they hold.
 ///
 /// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
 /// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;
