@@ -66,6 +66,7 @@ struct ImplicitStage::Impl {
   [[nodiscard]] bool is_converged(State& state, double norm);
   [[nodiscard]] std::string find_direction(State& state, std::int64_t iteration, double relative);
   void step(System& system, State& state);
+  double go_farther(System& system, const NodeVectors& from, double s, double there, State& state);
   void remember(State& state, double merit);
   void go_back(State& state);
   [[nodiscard]] std::string search(System& system, State& state, double relative);
@@ -161,15 +162,33 @@ void ImplicitStage::Impl::go(System& system, const NodeVectors& from, double s,
     r = from + s * direction;
 }
 
+/// Doubles a step whose merit is `there` as long as that falls: the projected tangent is stiffer
+/// than the surface, most so where it buckles. Returns the merit it comes to.
+double ImplicitStage::Impl::go_farther(System& system, const NodeVectors& from, double s,
+                                       double there, State& state) {
+  for (int k = 0; kind == Tangent::projected && k < kMostDoublings; ++k) {
+    const NodeVectors here = state.r;
+    go(system, from, 2 * s, state.r);
+    const double farther = equation.merit(state);
+    if (!(farther < there)) {
+      state.r = here;
+      break;
+    }
+    there = farther, s *= 2;
+  }
+  return there;
+}
+
 /// One step as it comes, but for the angle that it may turn by: Φ need not fall at once, as steps
 /// into what a thin sheet resists most are taken back by the next. After a straight step the next
 /// tangent is that of the stress which this one foresaw.
 void ImplicitStage::Impl::step(System& system, State& state) {
   before = state.r;
   if (patience == 0) tried = std::min(turn, angle);
-  go(system, before, std::min(1.0, turn / std::max(angle, 1e-300)), state.r);
+  const double s = std::min(1.0, turn / std::max(angle, 1e-300));
+  go(system, before, s, state.r);
   next = angle > kStraight ? Tangent::exact : Tangent::foreseen;
-  const double merit = equation.merit(state);
+  const double merit = go_farther(system, before, s, equation.merit(state), state);
   if (merit < lowest.merit) {
     remember(state, merit);
     turn = std::min(kLargestTurn, kLonger * turn);
@@ -189,16 +208,9 @@ bool ImplicitStage::Impl::search_along(System& system, State& state) {
   double s = std::min(1.0, kLargestTurn / std::max(angle, 1e-300));
   for (int cut = 0; cut < kMostCuts; ++cut, s /= 2) {
     go(system, from, s, state.r);
-    double there = equation.merit(state);
+    const double there = equation.merit(state);
     if (!(there <= at_begin + kArmijo * s * slope + rounding)) continue;
-    // The projected tangent is stiffer than the surface, most so where it buckles.
-    for (int k = 0; kind == Tangent::projected && cut == 0 && k < kMostDoublings; ++k) {
-      go(system, from, 2 * s, state.r);
-      const double farther = equation.merit(state);
-      if (!(farther < there)) break;
-      there = farther, s *= 2;
-    }
-    go(system, from, s, state.r);
+    if (cut == 0) (void)go_farther(system, from, s, there, state);
     return true;
   }
   state.r = from;
