@@ -68,9 +68,13 @@ class Wind final : public ForceField {
   }
   /// Of a face with k corners, −∂f_a/∂v_b = J/k² for each two of them.
   void add_exact_damping(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const override {
+    const std::int32_t* last = nullptr;
+    Eigen::Matrix3d part;  // of the last face
     pairs_.visit([&](std::size_t pair, Face face, std::size_t /*c*/, std::size_t /*d*/) {
       const auto corners = static_cast<double>(face.size());
-      blocks[pair] += derivative(stream(face, nodes)) / (corners * corners);
+      if (face.data() != last) part = derivative(stream(face, nodes)) / (corners * corners);
+      last = face.data();
+      blocks[pair] += part;
     });
   }
   /// J's largest eigenvalue is ρ A max(c_n |u·n|, c_t |u_t|): that, divided by k, at every corner

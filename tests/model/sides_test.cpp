@@ -1,11 +1,11 @@
 /// Constraints and loads along open sides: what holds after they have acted, and closed forms.
 #include <numbers>
-#include <random>
 
 #include <fmt/format.h>
 
 #include "deform/check/mechanics.h"
 
+#include "model/support/random.h"
 #include "model/support/simulate.h"
 
 namespace deform {
@@ -37,12 +37,6 @@ std::string symmetry(const std::string& sides) {
   return fmt::format(R"({{"plugin": "symmetry", "where": {{"boundary": {}}}}})", sides);
 }
 
-NodeVectors random_vectors(Index n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  return NodeVectors::NullaryExpr(n, 3, [&] { return uniform(random); });
-}
-
 Vec3 derivative(const std::vector<EdgeNode::Entry>& row, const NodeVectors& r) {
   Vec3 sum = Vec3::Zero();
   for (const auto& [node, coefficient] : row) sum += coefficient * Vec3(r.row(node));
@@ -51,7 +45,8 @@ Vec3 derivative(const std::vector<EdgeNode::Entry>& row, const NodeVectors& r) {
 
 /// Positions that the constraints allow, far from the initial ones.
 NodeVectors allowed(Simulation& s, unsigned seed) {
-  NodeVectors r = s.system().surface().initial() + 0.3 * random_vectors(s.system().nodes(), seed);
+  NodeVectors r =
+      s.system().surface().initial() + 0.3 * test::random_vectors(s.system().nodes(), seed);
   s.system().prescribe(0, r);
   return r;
 }
@@ -243,7 +238,7 @@ TEST(Sides, ForcesOnTiedComponentsDoTheirWork) {
     const Reduction& reduction = s.system().reduction();
     const ReductionMap map(reduction);
     const Index n = s.system().nodes();
-    NodeVectors q = random_vectors(n, 7), f = random_vectors(n, 8), reduced = f;
+    NodeVectors q = test::random_vectors(n, 7), f = test::random_vectors(n, 8), reduced = f;
     for (int c = 0; c < 3; ++c)
       for (Index a = 0; a < n; ++a)
         if (!reduction.free(a, c)) q(a, c) = 0;
@@ -315,7 +310,7 @@ TEST(Moment, IsACouple) {
 TEST(Moment, HasThePotentialAndTheTangentOfAnAngle) {
   Simulation s = sheet("", kMoment, kSphere);
   const State at = disturbed(s.system().rest(), 0.1);
-  const NodeVectors f = s.system().external_force(at), x = random_vectors(f.rows(), 9);
+  const NodeVectors f = s.system().external_force(at), x = test::random_vectors(f.rows(), 9);
   const auto potential_at = [&](double step) {
     State moved = at;
     moved.r += step * x;

@@ -1,15 +1,16 @@
 /// Steps that turn parts of a surface instead of stretching them.
 #include <cmath>
-#include <random>
 #include <string>
 
 #include <Eigen/Geometry>
 
+#include "model/support/random.h"
 #include "model/support/simulate.h"
 
 namespace deform {
 namespace {
 
+using test::random_vectors;
 using test::simulation_from_text;
 
 /// Stiff and thin; what holds it is put in by pointers.
@@ -22,12 +23,6 @@ const std::string kStiff = R"({
   "integrator": {"plugin": "backward_euler", "step": 0.1}, "duration": 0.5})";
 const Replacement kPinned{
     "/constraints/-", R"({"plugin": "pin", "where": {"corners": ["left_bottom", "left_top"]}})"};
-
-NodeVectors random_vectors(Index n, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  return NodeVectors::NullaryExpr(n, 3, [&] { return uniform(random); });
-}
 
 /// ω × (r − c) for all nodes.
 NodeVectors spin(const NodeVectors& r, const Vec3& omega, const Vec3& c) {

@@ -69,8 +69,8 @@ struct ImplicitStage::Impl {
   double go_farther(System& system, const NodeVectors& from, double s, double there, State& state);
   void remember(State& state, double merit);
   void go_back(State& state);
-  [[nodiscard]] std::string search(System& system, State& state, double relative);
-  [[nodiscard]] bool search_along(System& system, State& state);
+  [[nodiscard]] std::string search(System& system, State& state, double norm);
+  [[nodiscard]] bool search_along(System& system, State& state, double norm);
   void go(System& system, const NodeVectors& from, double s, NodeVectors& r) const;
 
   StageSettings settings;
@@ -127,7 +127,8 @@ double ImplicitStage::Impl::evaluate(System& system, State& state) {
   return norm;
 }
 
-/// Whether what is left over is small enough, contact forces being what they must.
+/// Whether what is left over is small enough, contact forces being what they must; where they are
+/// not yet, makes them so, and the search begins again with their Φ.
 bool ImplicitStage::Impl::is_converged(State& state, double norm) {
   if (!(norm <= settings.tolerance * equation.scale())) return false;
   if (equation.has_contacts()) {
@@ -200,9 +201,9 @@ void ImplicitStage::Impl::step(System& system, State& state) {
 }
 
 /// Goes along the direction as far as the merit falls; false where it does not.
-bool ImplicitStage::Impl::search_along(System& system, State& state) {
-  const double at_begin = equation.merit(state);
-  const double slope = equation.has_potential() ? equation.slope(direction) : -at_begin;
+bool ImplicitStage::Impl::search_along(System& system, State& state, double norm) {
+  const double at_begin = equation.has_potential() ? equation.merit(state) : norm;
+  const double slope = equation.has_potential() ? equation.slope(direction) : -norm;
   const double rounding = kRoundingOfEnergy * std::abs(at_begin);
   const NodeVectors from = state.r;
   double s = std::min(1.0, kLargestTurn / std::max(angle, 1e-300));
@@ -222,7 +223,7 @@ bool ImplicitStage::Impl::search_along(System& system, State& state) {
 std::string ImplicitStage::Impl::search(System& system, State& state, double norm) {
   const double relative = norm / equation.scale();
   next = Tangent::exact;
-  if (search_along(system, state)) return "";
+  if (search_along(system, state, norm)) return "";
   // Close to the end Φ changes by less than its rounding, and where a surface's frame is mixed a
   // force is not quite its gradient: the residual goes on.
   const NodeVectors from = state.r;

@@ -1,10 +1,13 @@
 #include "solve/turning_step.h"
 
 #include <algorithm>
-#include <cmath>
+#include <string>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+
+#include "deform/error.h"
 
 namespace deform {
 namespace {
@@ -12,18 +15,23 @@ namespace {
 /// Keeps the matrix of a free surface regular: translations, which no link knows.
 constexpr double kRegular = 1e-9;
 
-/// Two corners of a face each, once.
-std::vector<std::pair<Index, Index>> links_of(const Faces& faces) {
-  std::vector<std::pair<Index, Index>> links;
+/// Two corners of a face each, once; those that lie upon each other at rest have no direction.
+std::vector<TurningStep::Link> links_of(const Faces& faces, const NodeVectors& rest) {
+  std::vector<std::pair<Index, Index>> pairs;
   for (std::size_t f = 0; f + 1 < faces.begin.size(); ++f)
     for (auto i = faces.begin[f]; i < faces.begin[f + 1]; ++i)
       for (auto j = faces.begin[f]; j < i; ++j) {
         const Index a = faces.nodes[static_cast<std::size_t>(i)],
                     b = faces.nodes[static_cast<std::size_t>(j)];
-        links.emplace_back(std::min(a, b), std::max(a, b));
+        pairs.emplace_back(std::min(a, b), std::max(a, b));
       }
-  std::ranges::sort(links);
-  links.erase(std::unique(links.begin(), links.end()), links.end());
+  std::ranges::sort(pairs);
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<TurningStep::Link> links;
+  for (const auto& [a, b] : pairs) {
+    const double square = (rest.row(b) - rest.row(a)).squaredNorm();
+    if (square > 0) links.push_back({a, b, 1 / square});
+  }
   return links;
 }
 
@@ -32,14 +40,14 @@ Vec3 turned(const Vec3& by, const Vec3& x) {
   return angle > 0 ? Vec3(Eigen::AngleAxisd(angle, by / angle) * x) : x;
 }
 
-BlockMatrix pattern_of(const std::vector<std::pair<Index, Index>>& links, Index nodes) {
+BlockMatrix pattern_of(const std::vector<TurningStep::Link>& links, Index nodes) {
   BlockMatrix k;
   k.nodes = nodes;
   auto link = links.begin();
   for (Index a = 0; a < nodes; ++a) {
     k.column.push_back(static_cast<std::int32_t>(a));
-    for (; link != links.end() && link->first == a; ++link)
-      k.column.push_back(static_cast<std::int32_t>(link->second));
+    for (; link != links.end() && link->a == a; ++link)
+      k.column.push_back(static_cast<std::int32_t>(link->b));
     k.row_begin.push_back(static_cast<std::int32_t>(k.column.size()));
   }
   k.value.assign(9 * k.column.size(), 0.0);
@@ -51,12 +59,11 @@ BlockMatrix pattern_of(const std::vector<std::pair<Index, Index>>& links, Index 
 TurningStep::TurningStep(const Surface& surface, const NodeVectors& rest, const ReductionMap& map,
                          const std::vector<Freedom>& held,
                          const SolverQueue::MakeSolvers& make_solvers)
-    : laplacian_(pattern_of(links_of(surface.faces()), surface.nodes())),
+    : links_(links_of(surface.faces(), rest)),
+      laplacian_(pattern_of(links_, surface.nodes())),
       solver_(map, laplacian_, held, make_solvers) {
   double sum = 0;
-  for (const auto& [a, b] : links_of(surface.faces())) {
-    const double weight = 1 / (rest.row(b) - rest.row(a)).squaredNorm();
-    links_.push_back({a, b, weight});
+  for (const auto& [a, b, weight] : links_) {
     const Eigen::Matrix3d block = weight * Eigen::Matrix3d::Identity();
     laplacian_.block(a, a) += block;
     laplacian_.block(b, b) += block;
@@ -65,7 +72,9 @@ TurningStep::TurningStep(const Surface& surface, const NodeVectors& rest, const 
   }
   const NodeValues regular =
       NodeValues::Constant(surface.nodes(), kRegular * sum / static_cast<double>(surface.nodes()));
-  (void)solver_.factor(laplacian_, regular);
+  const std::string reason = solver_.factor(laplacian_, regular);
+  if (!reason.empty())
+    throw Error(ExitCode::diverged, "the matrix of links between nodes: " + reason);
 }
 
 /// ω_a minimises Σ w |d_b − d_a − ω_a × e|² over the links of a.

@@ -20,6 +20,12 @@ namespace deform {
 /// the same. (Rotation–strain coordinates; Huang et al. 2011, for displacements between modes.)
 class TurningStep {
  public:
+  struct Link {
+    Index a, b;     ///< a < b
+    double weight;  ///< 1/|e|² at rest [1/m²]
+  };
+
+  /// Throws Error with ExitCode::diverged where positions cannot be fitted.
   TurningStep(const Surface& surface, const NodeVectors& rest, const ReductionMap& map,
               const std::vector<Freedom>& held, const SolverQueue::MakeSolvers& make_solvers);
 
@@ -29,11 +35,6 @@ class TurningStep {
   void take(double s, NodeVectors& r);
 
  private:
-  struct Link {
-    Index a, b;
-    double weight;  // [1/m²]
-  };
-
   std::vector<Link> links_;
   BlockMatrix laplacian_;
   TangentSolver solver_;

@@ -178,10 +178,10 @@ class DEFORM_API System {
   /// Solves with that factor: x = T y, Tᵀ(K + diag(d))T y = Tᵀb; b and x (N × 3). Prescribed
   /// components of x are 0.
   void solve_tangent(const NodeVectors& b, NodeVectors& x);
-  /// Takes a direction d from r (both N × 3) for steps that turn parts of the surface by finite
-  /// angles where r + s d would stretch them. Returns the largest such angle of d [rad].
+  /// Takes a direction d from r (both N × 3 [m]) for steps that turn parts of the surface by finite
+  /// angles where r + s d would stretch them (Huang et al. 2011). Returns d's largest angle [rad].
   double aim(const NodeVectors& r, const NodeVectors& d);
-  /// Positions after s times that direction; to first order in s they are r + s d.
+  /// Positions (N × 3) [m] after s times what was aimed at; to first order in s they are r + s d.
   void turn(double s, NodeVectors& r);
   /// The lowest eigenvalue of K x = λ M x on what is free, with K the tangent of the last
   /// evaluate_with_tangent [1/s²]; how many are negative; and its x (N × 3).
