@@ -10,6 +10,8 @@ namespace {
 
 /// Where a tangent is indefinite, this part of its mean stiffness is added to it; ten times it, ….
 constexpr double kLeastShift = 1e-3;
+/// Part of a direction's error that an iterative solver may leave.
+constexpr double kForcing = 0.1;
 
 }  // namespace
 
@@ -120,19 +122,20 @@ std::string ImplicitEquation::find_direction(State& state, Tangent& kind, NodeVe
     if (reason.empty()) system_->solve_jacobian(left_, direction);
     return reason;
   }
-  std::string reason = system_->factor_tangent(diagonal_);
-  if (!reason.empty()) {
-    if (kind != Tangent::projected) {
-      kind = Tangent::projected;
-      evaluate_tangent(state, kind, nullptr);
-      reason = system_->factor_tangent(diagonal_);
-    }
-    // Loads that follow the surface are in it as they are: with as much stiffness as it takes.
-    const NodeValues mean = system_->mean_stiffness().cwiseMax(0);
-    for (double more = kLeastShift; !reason.empty() && more <= 1; more *= 10)
-      reason = system_->factor_tangent(diagonal_ + more * mean);
+  const auto solve = [&](const NodeValues& d) {
+    return system_->solve_tangent_to(kForcing, d, left_, direction);
+  };
+  std::string reason = solve(diagonal_);
+  if (reason.empty()) return "";
+  if (kind != Tangent::projected) {
+    kind = Tangent::projected;
+    evaluate_tangent(state, kind, nullptr);
+    reason = solve(diagonal_);
   }
-  if (reason.empty()) system_->solve_tangent(left_, direction);
+  // Loads that follow the surface are in it as they are: with as much stiffness as it takes.
+  const NodeValues mean = system_->mean_stiffness().cwiseMax(0);
+  for (double more = kLeastShift; !reason.empty() && more <= 1; more *= 10)
+    reason = solve(diagonal_ + more * mean);
   return reason;
 }
 

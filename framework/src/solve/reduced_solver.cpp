@@ -56,6 +56,8 @@ ReducedSolver::ReducedSolver(const ReductionMap& map, const SparseMatrix& patter
     make_group(group, pattern);
     MatrixTraits traits = traits_;
     traits.size = group.matrix->matrix().size;
+    group.nodes.assign(group.free.begin(), group.free.end());
+    traits.nodes = group.nodes;
     group.solvers.emplace(make_solvers, traits);
     choice_ = group.solvers->choice(group.matrix->matrix());
   }

@@ -50,22 +50,43 @@ std::string SolverQueue::factor_with_first(const SparseMatrix& a) {
 }
 
 std::string SolverQueue::factor(const SparseMatrix& a) {
+  matrix_ = &a;
+  return factor_from(0);
+}
+
+std::string SolverQueue::factor_from(std::size_t first) {
   std::string reasons;
-  for (std::size_t i = 0; i < solvers_.size(); ++i) {
-    const std::string reason = factor_with(i, a);
+  for (std::size_t i = first; i < solvers_.size(); ++i) {
+    const std::string reason = factor_with(i, *matrix_);
     if (reason.empty()) return "";
     reasons += (reasons.empty() ? "" : "; ") + solvers_[i].name + ": " + reason;
-    // Once in full: a matrix that is indefinite at one step mostly is at the next.
-    if (i + 1 < solvers_.size() && handovers_++ == 0)
-      log::warn("solver " + solvers_[i].name + " hands over to " + solvers_[i + 1].name + ": " +
-                reason);
+    log_handover(i, reason);
   }
   return reasons;
 }
 
+/// Once in full: a matrix that is indefinite at one step mostly is at the next.
+void SolverQueue::log_handover(std::size_t from, const std::string& reason) {
+  if (from + 1 < solvers_.size() && handovers_++ == 0)
+    log::warn("solver " + solvers_[from].name + " hands over to " + solvers_[from + 1].name + ": " +
+              reason);
+}
+
 void SolverQueue::solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x) {
-  const Named<LinearSolver>& solver = in_use();
-  guarded(solver.origin, "solving", [&] { solver.object->solve(b, x); });
+  for (;;) {
+    const Named<LinearSolver>& solver = in_use();
+    try {
+      return guarded(solver.origin, "solving", [&] { solver.object->solve(b, x); });
+    } catch (const Error& e) {
+      // An iterative solver finds out only here that it cannot.
+      const bool can_go_on = e.code() == ExitCode::diverged && in_use_ + 1 < solvers_.size();
+      if (!can_go_on || matrix_ == nullptr) throw;
+      log_handover(in_use_, e.what());
+      const std::string reasons = factor_from(in_use_ + 1);
+      if (!reasons.empty())
+        throw Error(ExitCode::diverged, std::string(e.what()) + "; " + reasons);
+    }
+  }
 }
 
 }  // namespace deform

@@ -21,6 +21,7 @@ class SolverQueue {
   [[nodiscard]] std::string factor(const SparseMatrix& a);
   /// Only the first: what cannot be factorised is a result, too (a matrix that is indefinite).
   [[nodiscard]] std::string factor_with_first(const SparseMatrix& a);
+  /// Throws Error with ExitCode::diverged when none can.
   void solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x);
   [[nodiscard]] const Named<LinearSolver>& in_use() const { return solvers_[in_use_]; }
   /// "cholmod (matrix symmetric, 361 unknowns, 4000 entries)".
@@ -29,10 +30,14 @@ class SolverQueue {
  private:
   [[nodiscard]] std::string factor_with(std::size_t i, const SparseMatrix& a);
 
+  [[nodiscard]] std::string factor_from(std::size_t i);
+  void log_handover(std::size_t from, const std::string& reason);
+
   MatrixTraits traits_;
   std::vector<Named<LinearSolver>> solvers_;
   std::vector<bool> analysed_;
   std::size_t in_use_ = 0;
+  const SparseMatrix* matrix_ = nullptr;  // of the last factor
   long handovers_ = 0;
 };
 

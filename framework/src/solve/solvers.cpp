@@ -5,5 +5,6 @@ namespace deform {
 
 Integrator::~Integrator() = default;
 LinearSolver::~LinearSolver() = default;
+BlockSolver::~BlockSolver() = default;
 
 }  // namespace deform

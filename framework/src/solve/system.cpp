@@ -153,7 +153,9 @@ StepTimes& System::times() { return impl_->times; }
 StepReport& System::step_report() { return impl_->report; }
 const StepReport& System::step_report() const { return impl_->report; }
 const std::string& System::solver_choice() const {
-  return impl_->solver ? impl_->solver->choice() : impl_->no_solver;
+  if (impl_->solver) return impl_->solver->choice();
+  const bool is_iterative = impl_->tangent_solver && !impl_->tangent_solver->choice().empty();
+  return is_iterative ? impl_->tangent_solver->choice() : impl_->no_solver;
 }
 
 std::vector<std::string> System::notes() const {
@@ -170,6 +172,7 @@ void System::begin_step(const State& state) {
   impl_->update_geometry(state.r);
   impl_->held = impl_->current;
   impl_->report = {};
+  impl_->renews = true;
 }
 void System::update_geometry(const State& state) { impl_->update_geometry(state.r); }
 const Geometry& System::geometry(const SampleSet& samples) const {

@@ -87,6 +87,7 @@ struct System::Impl {
   NodeVectors damped_at;   // … at these positions
   double strain_rate = 0;  // [1/s], of strains since `begun`; 0: strain rates are those of v
   std::optional<TangentSolver> tangent_solver;
+  bool renews = true;  // the next iterative solve takes nothing from earlier ones
   std::vector<Freedom> held_freedoms;
   std::optional<ColouredJacobian> jacobian;
   BlockMatrix no_stiffness;                  // of the pattern of masses

@@ -1,6 +1,7 @@
 /// The part of a System that Newton's method needs: potential, tangent, solves with it.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "solve/lowest_eigenvalue.h"
 #include "solve/not_finite.h"
@@ -127,6 +128,24 @@ void System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
   require_finite(b, "the right-hand side", "the integrator", "");
   const Stopwatch watch(impl_->times.solve);
   impl_->tangent_solver->solve(b, x);
+}
+
+std::string System::solve_tangent_to(double tolerance, const NodeValues& d, const NodeVectors& b,
+                                     NodeVectors& x) {
+  require_finite(d, "what is added to the tangent", "the integrator", "");
+  require_finite(b, "the right-hand side", "the integrator", "");
+  impl_->make_tangent_solver();
+  TangentSolver& solver = *impl_->tangent_solver;
+  std::string reason;
+  {
+    const Stopwatch watch(impl_->times.factorisation);
+    reason = solver.factor_to_tolerance(impl_->tangent, d, std::exchange(impl_->renews, false));
+  }
+  if (!reason.empty()) return reason;
+  const Stopwatch watch(impl_->times.solve);
+  reason = solver.solve_to_tolerance(tolerance, b, x);
+  impl_->report.solver_iterations += solver.iterations();
+  return reason;
 }
 
 double System::aim(const NodeVectors& r, const NodeVectors& d) {

@@ -1,5 +1,8 @@
 #include "solve/tangent_solver.h"
 
+#include "deform/log.h"
+
+#include "plugin/guard.h"
 #include "solve/not_finite.h"
 
 namespace deform {
@@ -30,14 +33,15 @@ TangentSolver::TangentSolver(const ReductionMap& map, const BlockMatrix& pattern
                              const std::vector<Freedom>& held,
                              const SolverQueue::MakeSolvers& make_solvers)
     : unknowns_(map, held),
-      matrix_(reduced_matrix(unknowns_, pattern)),
+      pattern_(&pattern),
       make_solvers_(make_solvers),
       rhs_(unknowns_.size(), 1),
       solution_(unknowns_.size(), 1) {}
 
 const SparseMatrix& TangentSolver::reduced(const BlockMatrix& k, const NodeValues& d) {
-  matrix_.fill(k.value, d);
-  return matrix_.matrix();
+  if (!matrix_) matrix_.emplace(reduced_matrix(unknowns_, *pattern_));
+  matrix_->fill(k.value, d);
+  return matrix_->matrix();
 }
 
 std::string TangentSolver::factor(const BlockMatrix& k, const NodeValues& d) {
@@ -46,6 +50,57 @@ std::string TangentSolver::factor(const BlockMatrix& k, const NodeValues& d) {
         make_solvers_,
         MatrixTraits{.size = unknowns_.size(), .symmetric = true, .positive_definite = true});
   return solvers_->factor_with_first(reduced(k, d));
+}
+
+void TangentSolver::choose_block_solver() {
+  has_chosen_ = true;
+  if (unknowns_.has_ties()) return;
+  double best = 0;
+  for (const Named<LinearSolver>& solver : make_solvers_()) {
+    const double suitability = guarded(solver.origin, "judging a matrix", [&] {
+      BlockSolver* const blocks = solver.object->blocks();
+      if (blocks != nullptr) return blocks->block_suitability(pattern_->nodes);
+      return solver.object->suitability(
+          {.size = unknowns_.size(), .symmetric = true, .positive_definite = true});
+    });
+    if (!(suitability > best)) continue;
+    best = suitability;
+    iterative_ = solver.object->blocks() != nullptr ? solver : Named<LinearSolver>{};
+  }
+  if (!iterative_.object) return;
+  guarded(iterative_.origin, "analysing a matrix",
+          [&] { iterative_.object->blocks()->analyse(*pattern_, unknowns_.held()); });
+  choice_ = iterative_.name + " (tangents of " + std::to_string(pattern_->nodes) + " nodes, " +
+            std::to_string(pattern_->column.size()) + " blocks, to a tolerance)";
+}
+
+std::string TangentSolver::factor_to_tolerance(const BlockMatrix& k, const NodeValues& d,
+                                               bool renew) {
+  if (!has_chosen_) choose_block_solver();
+  if (!iterative_.object) return factor(k, d);
+  k_ = &k, d_ = d;
+  guarded(iterative_.origin, "preparing to solve",
+          [&] { iterative_.object->blocks()->factor(k, d, renew); });
+  return "";
+}
+
+std::string TangentSolver::solve_to_tolerance(double tolerance, const NodeVectors& b,
+                                              NodeVectors& x) {
+  iterations_ = 0;
+  if (iterative_.object) {
+    BlockSolver& blocks = *iterative_.object->blocks();
+    const Outcome outcome =
+        guarded(iterative_.origin, "solving", [&] { return blocks.solve(b, tolerance, x); });
+    iterations_ = blocks.iterations();
+    if (outcome == Outcome::indefinite) return iterative_.name + ": not positive definite";
+    if (outcome == Outcome::solved && x.allFinite()) return "";
+    if (handovers_++ == 0)
+      log::info("solver " + iterative_.name + " leaves a matrix to a factorisation");
+    std::string reason = factor(*k_, d_);
+    if (!reason.empty()) return reason;
+  }
+  solve(b, x);
+  return "";
 }
 
 void TangentSolver::solve(const NodeVectors& b, NodeVectors& x) {

@@ -14,6 +14,8 @@
 
 namespace deform {
 
+/// Exactly, by a factorisation; or to a tolerance, by a solver that takes the blocks as they are
+/// where one suits the size and nothing is tied.
 class TangentSolver {
  public:
   /// `held`: unknowns that stay where they are, so that the surface does not move as a rigid body.
@@ -27,14 +29,36 @@ class TangentSolver {
   /// x = T y with Tᵀ(K + diag(d))T y = Tᵀb, of the last factor that could; b (N × 3), x (N × 3).
   void solve(const NodeVectors& b, NodeVectors& x);
 
+  /// The same for solutions whose error is reduced to a tolerance. `renew`: nothing that was
+  /// prepared for earlier matrices may be used. k stays as it is until the next call. Both return ""
+  /// or why the matrix is not positive definite, which an iterative solver may find only in the end.
+  [[nodiscard]] std::string factor_to_tolerance(const BlockMatrix& k, const NodeValues& d,
+                                                bool renew);
+  [[nodiscard]] std::string solve_to_tolerance(double tolerance, const NodeVectors& b,
+                                               NodeVectors& x);
+  /// Who solves to a tolerance, and why; "" where that is the factorisation.
+  [[nodiscard]] const std::string& choice() const { return choice_; }
+  /// Iterations of the last solve_to_tolerance; 0 where it was exact.
+  [[nodiscard]] long iterations() const { return iterations_; }
+
   /// Tᵀ(K + diag(d))T, for eigenvalues.
   [[nodiscard]] const SparseMatrix& reduced(const BlockMatrix& k, const NodeValues& d);
 
  private:
+  void choose_block_solver();
+
   Unknowns unknowns_;
-  ReducedMatrix matrix_;
+  const BlockMatrix* pattern_;
   SolverQueue::MakeSolvers make_solvers_;
-  std::optional<SolverQueue> solvers_;  // made when first needed
+  std::optional<ReducedMatrix> matrix_;  // made when first needed, as all that follows
+  std::optional<SolverQueue> solvers_;
+  Named<LinearSolver> iterative_;  // null where none suits
+  bool has_chosen_ = false;
+  std::string choice_;
+  const BlockMatrix* k_ = nullptr;  // what the iterative solver has …
+  NodeValues d_;                    // … in case that it cannot
+  long iterations_ = 0;
+  long handovers_ = 0;
   Eigen::MatrixXd rhs_, solution_;
 };
 

@@ -14,6 +14,8 @@ namespace {
 
 /// Keeps the matrix of a free surface regular: translations, which no link knows.
 constexpr double kRegular = 1e-9;
+/// Part of the fit's error that an iterative solver may leave: what it corrects is of second order.
+constexpr double kTolerance = 1e-2;
 
 /// Two corners of a face each, once; those that lie upon each other at rest have no direction.
 std::vector<TurningStep::Link> links_of(const Faces& faces, const NodeVectors& rest) {
@@ -70,11 +72,8 @@ TurningStep::TurningStep(const Surface& surface, const NodeVectors& rest, const 
     laplacian_.block(a, b) -= block;
     sum += 2 * weight;
   }
-  const NodeValues regular =
+  regular_ =
       NodeValues::Constant(surface.nodes(), kRegular * sum / static_cast<double>(surface.nodes()));
-  const std::string reason = solver_.factor(laplacian_, regular);
-  if (!reason.empty())
-    throw Error(ExitCode::diverged, "the matrix of links between nodes: " + reason);
 }
 
 /// ω_a minimises Σ w |d_b − d_a − ω_a × e|² over the links of a.
@@ -114,7 +113,12 @@ void TurningStep::take(double s, NodeVectors& r) {
     pull.row(a) -= left;
     pull.row(b) += left;
   }
-  solver_.solve(pull, correction);
+  std::string reason;
+  if (!is_prepared_) reason = solver_.factor_to_tolerance(laplacian_, regular_, true);
+  is_prepared_ = reason.empty();
+  if (is_prepared_) reason = solver_.solve_to_tolerance(kTolerance, pull, correction);
+  if (!reason.empty())
+    throw Error(ExitCode::diverged, "the matrix of links between nodes: " + reason);
   r += correction;
 }
 

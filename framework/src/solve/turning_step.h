@@ -37,7 +37,9 @@ class TurningStep {
  private:
   std::vector<Link> links_;
   BlockMatrix laplacian_;
+  NodeValues regular_;  // (N) [1/m²], added to it
   TangentSolver solver_;
+  bool is_prepared_ = false;
   NodeVectors from_, direction_, turn_;  // (N × 3) [m], [m], [rad]
 };
 

@@ -21,6 +21,13 @@ Unknowns::Unknowns(const ReductionMap& map, const std::vector<Freedom>& held) : 
     }
 }
 
+std::vector<std::uint8_t> Unknowns::held() const {
+  std::vector<std::uint8_t> held(number_.size() / 3, 0);
+  for (std::size_t i = 0; i < number_.size(); ++i)
+    if (number_[i] < 0) held[i / 3] |= static_cast<std::uint8_t>(1U << (i % 3));
+  return held;
+}
+
 std::vector<ReducedMatrix::Part> Unknowns::row(const Freedom& freedom) const {
   std::vector<ReducedMatrix::Part> row;
   for (const Tie::Part& part : map_->row(freedom))

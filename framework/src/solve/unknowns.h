@@ -1,6 +1,7 @@
 /// The unknowns q of a Newton step, among the components of all nodes.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "deform/model/reduction.h"
@@ -17,6 +18,10 @@ class Unknowns {
   /// `held`: free components that stay where they are.
   Unknowns(const ReductionMap& map, const std::vector<Freedom>& held);
 
+  /// Whether some component follows others that are free.
+  [[nodiscard]] bool has_ties() const { return !map_->ties().empty(); }
+  /// (N) Bit c: component c of the node is no unknown.
+  [[nodiscard]] std::vector<std::uint8_t> held() const;
   [[nodiscard]] Index size() const { return static_cast<Index>(freedom_of_.size()); }
   [[nodiscard]] const Freedom& operator[](Index unknown) const {
     return freedom_of_[static_cast<std::size_t>(unknown)];

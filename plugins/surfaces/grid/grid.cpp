@@ -7,6 +7,7 @@
 #include <deform/surface/shape.h>
 #include <deform/surface/surface.h>
 
+#include "coarsening.h"
 #include "corner_samples.h"
 #include "edges.h"
 #include "lattice.h"
@@ -116,6 +117,9 @@ class Grid final : public Surface {
   }
   [[nodiscard]] std::vector<EdgeNode> edge(const std::string& name) const override {
     return grid::edge(lattice_, name);
+  }
+  [[nodiscard]] std::vector<Prolongation> coarsening() const override {
+    return grid::coarsening(lattice_);
   }
 
  private:

@@ -1,13 +1,18 @@
 /// Linear solvers for A X = B with a few right-hand sides.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "deform/plugin/descriptor.h"
+#include "deform/solve/block_matrix.h"
 #include "deform/solve/sparse_matrix.h"
 #include "deform/types.h"
 
 namespace deform {
+
+class BlockSolver;
 
 /// Contract: `analyse` once a pattern, then any number of `factor` and `solve`; the same input
 /// gives the same bits. Not thread-safe: one object a matrix.
@@ -21,11 +26,44 @@ class DEFORM_API LinearSolver : public Plugin {
   [[nodiscard]] virtual double suitability(const MatrixTraits& traits) const = 0;
   /// Looks at the pattern (and size) of A; values do not matter.
   virtual void analyse(const SparseMatrix& a, const MatrixTraits& traits) = 0;
-  /// Prepares to solve with the values of A. Returns "" or why it cannot (e.g. not positive
+  /// Prepares to solve with the values of A, which stay as they are until the next call. Returns "" or why it cannot (e.g. not positive
   /// definite); the framework then tries another solver.
   [[nodiscard]] virtual std::string factor(const SparseMatrix& a) = 0;
   /// (n × k) right-hand sides to solutions; both column-major, not the same memory.
   virtual void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) = 0;
+
+  /// This solver's way with matrices of blocks; null where it has none.
+  [[nodiscard]] virtual BlockSolver* blocks() { return nullptr; }
+};
+
+/// How an iterative solve ended.
+enum class Outcome : std::uint8_t {
+  solved,
+  indefinite,  ///< the matrix is not positive definite
+  unfinished,  ///< too many iterations
+};
+
+/// Optional capability of a LinearSolver: solves to a tolerance with symmetric matrices of 3 × 3
+/// blocks, as Newton's method makes them, some components of nodes being held.
+///
+/// Contract: `analyse` once a pattern, then any number of `factor` and `solve`; what a solution is
+/// depends on nothing before the last `factor` that was told to renew.
+class DEFORM_API BlockSolver {
+ public:
+  virtual ~BlockSolver();
+
+  /// As LinearSolver::suitability, on the same scale.
+  [[nodiscard]] virtual double block_suitability(Index nodes) const = 0;
+  /// Bit c of held[a]: component c of node a is held at 0 (N).
+  virtual void analyse(const BlockMatrix& pattern, const std::vector<std::uint8_t>& held) = 0;
+  /// Takes the values of A + diag(d), d (N) for x, y and z alike; unless `renew`, what was prepared
+  /// from earlier ones to solve faster (a preconditioner) may be kept.
+  virtual void factor(const BlockMatrix& a, const NodeValues& d, bool renew) = 0;
+  /// (A + diag(d)) x = b on what is not held, x (N × 3) with b's error in a norm of the solver's
+  /// choice reduced to `tolerance`; x is of no use unless that is what came of it.
+  [[nodiscard]] virtual Outcome solve(const NodeVectors& b, double tolerance, NodeVectors& x) = 0;
+  /// That the last `solve` took.
+  [[nodiscard]] virtual long iterations() const = 0;
 };
 
 }  // namespace deform

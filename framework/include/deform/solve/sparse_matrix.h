@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "deform/types.h"
@@ -23,6 +24,8 @@ struct MatrixTraits {
   bool symmetric = false;
   /// Expected, not promised: a solver that needs it finds out.
   bool positive_definite = false;
+  /// The surface's node of each unknown, where each belongs to another; else empty.
+  std::span<const std::int32_t> nodes{};
 };
 
 }  // namespace deform

@@ -67,6 +67,7 @@ struct ModelParts {
 /// What an iterative integrator's last step took; for logs and probes.
 struct StepReport {
   long iterations = 0;            ///< of Newton's method, all substeps together
+  long solver_iterations = 0;     ///< of the linear solver, where it is iterative
   long substeps = 1;              ///< of time or of load
   long rejected = 0;              ///< substeps that were tried and given up
   double smallest = 0;            ///< shortest and longest substep [s]; 0 where there is none
@@ -178,6 +179,11 @@ class DEFORM_API System {
   /// Solves with that factor: x = T y, Tᵀ(K + diag(d))T y = Tᵀb; b and x (N × 3). Prescribed
   /// components of x are 0.
   void solve_tangent(const NodeVectors& b, NodeVectors& x);
+  /// Both at once, for directions that need not be exact: the solution's error, in a norm of the
+  /// solver's choice, is `tolerance` of that of 0 or less. Iterative where a solver suits. Returns ""
+  /// or why the matrix is not positive definite.
+  [[nodiscard]] std::string solve_tangent_to(double tolerance, const NodeValues& d,
+                                             const NodeVectors& b, NodeVectors& x);
   /// Takes a direction d from r (both N × 3 [m]) for steps that turn parts of the surface by finite
   /// angles where r + s d would stretch them (Huang et al. 2011). Returns d's largest angle [rad].
   double aim(const NodeVectors& r, const NodeVectors& d);

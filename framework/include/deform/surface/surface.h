@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deform/plugin/descriptor.h"
+#include "deform/surface/prolongation.h"
 #include "deform/surface/sample_set.h"
 #include "deform/types.h"
 
@@ -61,6 +62,10 @@ class DEFORM_API Surface : public Plugin {
   /// The nodes of a part of the boundary ("left", …) with their derivatives, in the order of
   /// `boundary`, for constraints and loads on edges; empty where the surface has none.
   [[nodiscard]] virtual std::vector<EdgeNode> edge(const std::string& /*name*/) const { return {}; }
+
+  /// Fewer and fewer nodes for multigrid, from fine to coarse, each with a quarter to a half of those
+  /// before, down to a few dozen; empty where the surface has none.
+  [[nodiscard]] virtual std::vector<Prolongation> coarsening() const { return {}; }
 
   /// What to change in a scene for the same surface with nodes twice as close: pointers below the
   /// surface ("/nodes") and JSON values. Empty where the surface cannot say.

@@ -1,0 +1,135 @@
+#include "block_system.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace multigrid {
+namespace {
+
+/// Both triangles of a symmetric pattern of which `half` is the upper one.
+Pattern both_triangles(const deform::BlockMatrix& half) {
+  const auto nodes = static_cast<std::size_t>(half.nodes);
+  std::vector<std::int32_t> size(nodes, 0);
+  for (std::size_t a = 0; a < nodes; ++a)
+    for (auto p = half.row_begin[a]; p < half.row_begin[a + 1]; ++p) {
+      const auto b = static_cast<std::size_t>(half.column[static_cast<std::size_t>(p)]);
+      ++size[a];
+      if (b != a) ++size[b];
+    }
+  Pattern full;
+  full.nodes = half.nodes;
+  for (const std::int32_t s : size) full.begin.push_back(full.begin.back() + s);
+  full.column.resize(static_cast<std::size_t>(full.begin.back()));
+  std::vector<std::int32_t> next(full.begin.begin(), full.begin.end() - 1);
+  // Rows come in ascending order, so the columns below the diagonal do, and come first.
+  for (std::size_t a = 0; a < nodes; ++a)
+    for (auto p = half.row_begin[a] + 1; p < half.row_begin[a + 1]; ++p) {
+      const auto b = static_cast<std::size_t>(half.column[static_cast<std::size_t>(p)]);
+      full.column[static_cast<std::size_t>(next[b]++)] = static_cast<std::int32_t>(a);
+    }
+  for (std::size_t a = 0; a < nodes; ++a)
+    for (auto p = half.row_begin[a]; p < half.row_begin[a + 1]; ++p)
+      full.column[static_cast<std::size_t>(next[a]++)] = half.column[static_cast<std::size_t>(p)];
+  return full;
+}
+
+std::vector<Mask> masks_of(const std::vector<std::uint8_t>& held) {
+  std::vector<Mask> masks;
+  for (std::size_t a = 0; a < held.size(); ++a) {
+    if (held[a] == 0) continue;
+    Mask mask{static_cast<std::int32_t>(a), {}};
+    for (int c = 0; c < 3; ++c) mask.factor.set(c, (held[a] >> c & 1) != 0 ? 0.0F : 1.0F);
+    masks.push_back(mask);
+  }
+  return masks;
+}
+
+}  // namespace
+
+BlockSystem::BlockSystem(const deform::BlockMatrix& pattern, const std::vector<std::uint8_t>& held,
+                         const std::vector<deform::Prolongation>& coarsening, Limits limits)
+    : limits_(limits) {
+  cycle_.emplace(both_triangles(pattern), masks_of(held), coarsening, Finest::additive);
+  const Pattern& full = cycle_->finest().pattern;
+  for (Index a = 0; a < pattern.nodes; ++a)
+    for (auto p = pattern.row_begin[static_cast<std::size_t>(a)];
+         p < pattern.row_begin[static_cast<std::size_t>(a) + 1]; ++p) {
+      const Index b = pattern.column[static_cast<std::size_t>(p)];
+      upper_.push_back(full.place(a, b));
+      lower_.push_back(full.place(b, a));
+    }
+  b_.resize(static_cast<std::size_t>(pattern.nodes));
+}
+
+void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues& d, bool renew) {
+  Level<Block>& level = cycle_->finest();
+  deform::parallel_blocks(a.nodes, kRows, [&](Index first, Index size) {
+    for (Index row = first; row < first + size; ++row)
+      for (auto p = static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(row)]);
+           p < static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(row) + 1]); ++p) {
+        const double* from = a.value.data() + 9 * p;
+        float* upper = level.value.data() + 9 * static_cast<std::size_t>(upper_[p]);
+        float* lower = level.value.data() + 9 * static_cast<std::size_t>(lower_[p]);
+        // The transpose of a block by rows is the same block by columns.
+        for (int i = 0; i < 9; ++i) lower[i] = static_cast<float>(from[i]);
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) upper[3 * j + i] = static_cast<float>(from[3 * i + j]);
+        if (upper == lower)
+          for (int c = 0; c < 3; ++c) upper[4 * c] = static_cast<float>(from[4 * c] + d[row]);
+      }
+  });
+  is_old_ = is_made_ && !renew;
+  is_made_ = true;
+  cycle_->renew(!is_old_);
+}
+
+Ending BlockSystem::iterate(double tolerance, int most) {
+  Level<Block>& level = cycle_->finest();
+  const Ending end = gradients_.solve(
+      [&](Index a, const LaneVector& y) { return level.row_times(a, y); },
+      [&](const LaneVector& r, LaneVector& z) {
+        level.f = r;
+        cycle_->run();
+        z = level.x;
+      },
+      b_, x_, tolerance, most);
+  iterations_ += end.iterations;
+  return end;
+}
+
+deform::Outcome BlockSystem::solve(const deform::NodeVectors& b, double tolerance,
+                                   deform::NodeVectors& x) {
+  // In single precision numbers should be neither tiny nor huge.
+  const double largest = b.cwiseAbs().maxCoeff();
+  x.resize(b.rows(), 3);
+  iterations_ = 0;
+  if (largest == 0) {
+    x.setZero();
+    return deform::Outcome::solved;
+  }
+  deform::parallel_blocks(b.rows(), kRows, [&](Index first, Index size) {
+    for (Index a = first; a < first + size; ++a)
+      for (int c = 0; c < 3; ++c)
+        b_[static_cast<std::size_t>(a)].set(c, static_cast<float>(b(a, c) / largest));
+  });
+  cycle_->finest().mask(b_);
+  Ending end = iterate(tolerance, is_old_ ? limits_.patience : limits_.iterations);
+  if (!end.has_converged && is_old_) {
+    cycle_->renew(true);
+    is_old_ = false;
+    end = iterate(tolerance, limits_.iterations);
+  }
+  if (end.is_indefinite) {
+    is_made_ = false;  // nothing of such a matrix helps the next
+    return deform::Outcome::indefinite;
+  }
+  if (!end.has_converged) return deform::Outcome::unfinished;
+  deform::parallel_blocks(b.rows(), kRows, [&](Index first, Index size) {
+    for (Index a = first; a < first + size; ++a)
+      for (int c = 0; c < 3; ++c)
+        x(a, c) = largest * static_cast<double>(x_[static_cast<std::size_t>(a)][c]);
+  });
+  return deform::Outcome::solved;
+}
+
+}  // namespace multigrid

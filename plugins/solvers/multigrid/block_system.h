@@ -1,0 +1,41 @@
+/// Newton's systems: matrices of 3 × 3 blocks in single precision.
+#pragma once
+
+#include <optional>
+
+#include <deform/solve/linear_solver.h>
+
+#include "conjugate_gradients.h"
+#include "cycle.h"
+
+namespace multigrid {
+
+/// Single precision serves where a direction need not be exact: it halves what has to be read.
+class BlockSystem {
+ public:
+  /// Iterations at most; after the first `patience` of them an old preconditioner is made anew.
+  struct Limits {
+    int iterations = 100, patience = 6;
+  };
+  BlockSystem(const deform::BlockMatrix& pattern, const std::vector<std::uint8_t>& held,
+              const std::vector<deform::Prolongation>& coarsening, Limits limits);
+
+  void factor(const deform::BlockMatrix& a, const deform::NodeValues& d, bool renew);
+  [[nodiscard]] deform::Outcome solve(const deform::NodeVectors& b, double tolerance,
+                                      deform::NodeVectors& x);
+  [[nodiscard]] int iterations() const { return iterations_; }
+
+ private:
+  [[nodiscard]] Ending iterate(double tolerance, int most);
+
+  Limits limits_;
+  std::vector<std::int32_t> upper_, lower_;  // places of each block and of its mirror image
+  std::optional<Cycle<Block>> cycle_;
+  ConjugateGradients<Lanes, float> gradients_;
+  LaneVector b_, x_;
+  bool is_old_ = false;  // the coarse levels are of an earlier matrix
+  bool is_made_ = false;
+  int iterations_ = 0;
+};
+
+}  // namespace multigrid

@@ -1,0 +1,46 @@
+/// Multigrid cycles over a hierarchy of levels, as preconditioner of the finest level's matrix.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "galerkin.h"
+
+namespace multigrid {
+
+/// What is done on the finest level, where a pass over the matrix costs most.
+enum class Finest {
+  additive,  ///< ω D⁻¹ f + P x₁: no pass over the matrix
+  smoothed,  ///< steps before and after the coarse correction, as on all other levels: two passes
+};
+
+template <class Entry>
+class Cycle {
+ public:
+  /// `held`: masks of nodes with held components, ascending; `coarsening`: from fine to coarse.
+  Cycle(Pattern finest, std::vector<Mask> held,
+        const std::vector<deform::Prolongation>& coarsening, Finest treatment);
+
+  [[nodiscard]] Level<Entry>& finest() { return levels_.front(); }
+  [[nodiscard]] std::size_t levels() const { return levels_.size(); }
+  /// The values of the finest level are there: makes those of the others, or leaves them at those
+  /// of an earlier matrix.
+  void renew(bool coarse_levels);
+  /// x of the finest level from its f: one cycle.
+  void run();
+
+ private:
+  void factor_coarsest();
+  void solve_coarsest();
+  void run_from(std::size_t level);
+  void correct(std::size_t level, const LaneVector& x_coarse, bool from_zero);
+
+  std::vector<Level<Entry>> levels_;
+  std::vector<Galerkin> between_;  // level and the next
+  Finest treatment_;
+  Eigen::MatrixXf inverse_;  // of the coarsest level
+  Eigen::VectorXf f_, x_;
+};
+
+}  // namespace multigrid

@@ -1,0 +1,90 @@
+#include <deform/solve/linear_solver.h>
+#include <deform/surface/surface.h>
+
+#include "block_system.h"
+#include "scalar_system.h"
+
+namespace {
+using namespace deform;
+
+struct Parameters {
+  double tolerance = 1e-10;
+  std::int64_t iterations = 100;
+  std::int64_t smallest = 1000;
+  static void declare(Declaration<Parameters>& d) {
+    d("tolerance", &Parameters::tolerance, "1",
+      "of the error that is left in systems that want to be solved exactly, relative, in the norm "
+      "of the preconditioner")
+        .above(0)
+        .at_most(0.1);
+    d("iterations", &Parameters::iterations, "", "of conjugate gradients for a system, at most")
+        .at_least(1);
+    d("smallest", &Parameters::smallest, "",
+      "nodes from which on it is preferred to a factorisation where the scene names no solver")
+        .at_least(1);
+  }
+};
+
+/// Conjugate gradients, preconditioned by one cycle over the surface's coarser nodes: Galerkin's
+/// matrices, (block) Jacobi steps. The work is proportional to the number of nodes.
+class Multigrid final : public LinearSolver, public BlockSolver {
+ public:
+  Multigrid(const Parameters& p, const Setup& setup)
+      : p_(p), total_(setup.surface().nodes()), coarsening_(setup.surface().coarsening()) {}
+
+  [[nodiscard]] double suitability(const MatrixTraits& traits) const override {
+    const bool is_possible = traits.symmetric && traits.positive_definite &&
+                             traits.nodes.size() == static_cast<std::size_t>(traits.size) &&
+                             !coarsening_.empty();
+    return is_possible ? preference(traits.size) : 0;
+  }
+  [[nodiscard]] double block_suitability(Index nodes) const override {
+    return coarsening_.empty() ? 0 : preference(nodes);
+  }
+
+  void analyse(const SparseMatrix& a, const MatrixTraits& traits) override {
+    scalar_.emplace(a, traits.nodes, total_, coarsening_);
+  }
+  [[nodiscard]] std::string factor(const SparseMatrix& a) override {
+    scalar_->factor(a);
+    return "";
+  }
+  void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) override {
+    const std::string reason = scalar_->solve(b, p_.tolerance, most(), x);
+    if (!reason.empty()) throw Error(ExitCode::diverged, "multigrid: " + reason);
+  }
+
+  [[nodiscard]] BlockSolver* blocks() override { return this; }
+  void analyse(const BlockMatrix& pattern, const std::vector<std::uint8_t>& held) override {
+    block_.emplace(pattern, held, coarsening_, multigrid::BlockSystem::Limits{.iterations = most()});
+  }
+  void factor(const BlockMatrix& a, const NodeValues& d, bool renew) override {
+    block_->factor(a, d, renew);
+  }
+  [[nodiscard]] Outcome solve(const NodeVectors& b, double tolerance, NodeVectors& x) override {
+    return block_->solve(b, tolerance, x);
+  }
+  [[nodiscard]] long iterations() const override {
+    return block_ ? block_->iterations() : scalar_ ? scalar_->iterations() : 0;
+  }
+
+ private:
+  /// Above what factorisations say of themselves from `smallest` nodes on.
+  [[nodiscard]] double preference(Index nodes) const { return nodes >= p_.smallest ? 20 : 2; }
+  [[nodiscard]] int most() const { return static_cast<int>(p_.iterations); }
+
+  Parameters p_;
+  Index total_;
+  std::vector<Prolongation> coarsening_;
+  std::optional<multigrid::ScalarSystem> scalar_;
+  std::optional<multigrid::BlockSystem> block_;
+};
+
+}  // namespace
+
+DEFORM_PLUGIN(Multigrid, Parameters, .name = "multigrid", .version = "1.0",
+              .summary = "conjugate gradients preconditioned by geometric multigrid, for symmetric "
+                         "positive definite matrices of large surfaces that have coarser nodes",
+              .formula = "z = ω D⁻¹ r + P V(Pᵀ r), A_coarse = Pᵀ A P",
+              .source = "Briggs, Henson & McCormick, A Multigrid Tutorial; additive finest level: "
+                        "Bramble, Pasciak & Xu 1990")
