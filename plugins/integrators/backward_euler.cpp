@@ -1,4 +1,5 @@
 #include "implicit.h"
+#include "second_order_error.h"
 
 namespace {
 using namespace deform;
@@ -12,6 +13,15 @@ class BackwardEuler final : public ImplicitIntegrator {
  public:
   BackwardEuler(const Parameters& p, const Setup& /*setup*/) : ImplicitIntegrator(p) {}
 
+  void save(Memory& memory) const override {
+    ImplicitIntegrator::save(memory);
+    if (newton_.counts_corrections()) last_.save(memory);
+  }
+  void load(const Memory& memory) override {
+    ImplicitIntegrator::load(memory);
+    if (newton_.counts_corrections()) last_.load(memory);
+  }
+
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
@@ -22,7 +32,8 @@ class BackwardEuler final : public ImplicitIntegrator {
                       .start = from.r,
                       .end = end,
                       .by_strains = true};
-    to.r = from.r + h * from.v;
+    // v⁺ = v + h a, a being about that of the last step.
+    to.r = last_.extrapolated(from, h, 1.0);
     system.prescribe(end, to.r);
     std::string failure = newton_.solve(system, stage, to);
     to.time = end;
@@ -30,6 +41,17 @@ class BackwardEuler final : public ImplicitIntegrator {
     return {std::move(failure), h / 2 * (to.v - from.v), newton_.resolves_contacts()};
   }
   [[nodiscard]] int local_order() const override { return 2; }
+
+  void accept(const State& from, const State& to) override {
+    if (newton_.counts_corrections()) last_.accept(from, to);
+  }
+  void forget() override {
+    ImplicitIntegrator::forget();
+    last_.forget();
+  }
+
+ private:
+  SecondOrderError last_;  // for guesses, where a step is worth one
 };
 
 }  // namespace

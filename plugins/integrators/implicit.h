@@ -9,6 +9,7 @@ namespace deform {
 struct ImplicitParameters : StepControl {
   double tolerance = StageSettings{}.tolerance;
   std::int64_t iterations = StageSettings{}.iterations;
+  double newton_error = StageSettings{}.newton_error;
 
   template <class Parameters>
   static void declare(Declaration<Parameters>& d) {
@@ -19,8 +20,14 @@ struct ImplicitParameters : StepControl {
     d("iterations", &ImplicitParameters::iterations, "",
       "of Newton's method in a step, at most; then half the step is tried")
         .at_least(1);
+    d("newton_error", &ImplicitParameters::newton_error, "1",
+      "of a step, that Newton's method may leave: root mean square over the mass, in sizes of the "
+      "surface, estimated from its last two corrections; 0: `tolerance` alone decides. 3e-5 takes "
+      "two or three corrections a step where motion is resolved")
+        .at_least(0)
+        .at_most(0.1);
   }
-  [[nodiscard]] StageSettings settings() const { return {tolerance, iterations}; }
+  [[nodiscard]] StageSettings settings() const { return {tolerance, iterations, newton_error}; }
 };
 
 /// An integrator whose step is one stage.

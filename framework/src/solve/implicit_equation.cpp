@@ -11,7 +11,7 @@ namespace {
 /// Where a tangent is indefinite, this part of its mean stiffness is added to it; ten times it, ….
 constexpr double kLeastShift = 1e-3;
 /// Part of a direction's error that an iterative solver may leave.
-constexpr double kForcing = 0.1;
+constexpr double kForcing = 0.02;
 
 }  // namespace
 

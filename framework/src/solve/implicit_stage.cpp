@@ -40,6 +40,10 @@ constexpr double kRoundingOfForces = 1e-6;
 /// steps, and this close to a solution, their whole Jacobian is worth what it costs.
 constexpr std::int64_t kSlow = 10;
 constexpr double kClose = 0.2;
+/// Newton's method without a look at Φ goes on while a correction is this part of the one before, at
+/// most, and this often.
+constexpr double kContraction = 0.5;
+constexpr int kMostContractions = 8;
 
 /// Has strains measured as a stage wants them while it lives, however the stage ends.
 class StrainsOfAStage {
@@ -61,6 +65,7 @@ struct ImplicitStage::Impl {
   explicit Impl(StageSettings s) : settings(s) {}
 
   void choose_guess(System& system, const Stage& stage, State& state);
+  [[nodiscard]] bool contract(System& system, State& state);
   [[nodiscard]] std::string iterate(System& system, State& state);
   [[nodiscard]] double evaluate(System& system, State& state);
   [[nodiscard]] bool is_converged(State& state, double norm);
@@ -94,6 +99,35 @@ struct ImplicitStage::Impl {
   double angle = 0;    // by which it turns some part of the surface [rad]
   double longest = 0;  // of its nodes' ways [m]
 };
+
+/// Newton's method by its corrections alone, from the guess; false where they do not shrink fast
+/// enough, the state being the guess again. The first tangent is the projected one: far from the
+/// solution the exact one is no better, and often indefinite.
+bool ImplicitStage::Impl::contract(System& system, State& state) {
+  const NodeVectors guess = state.r;
+  double last = kInfinity;
+  equation.begin_way(state);
+  system.step_report().residuals.clear();
+  leaps = false;
+  next = Tangent::projected;
+  try {
+    for (int i = 0; i < kMostContractions; ++i, next = Tangent::exact) {
+      if (evaluate(system, state) <= settings.tolerance * equation.scale()) return true;
+      ++system.step_report().iterations;
+      if (!equation.find_direction(state, kind, direction).empty()) break;
+      const double correction = system.root_mean_square(direction), theta = correction / last;
+      if (!(theta <= kContraction)) break;
+      state.r += direction;
+      if (theta / (1 - theta) * correction <= settings.newton_error * equation.size() && i > 0)
+        return true;
+      last = correction;
+    }
+  } catch (const NotFinite&) {
+    // What went too far comes again from the guess.
+  }
+  state.r = guess;
+  return false;
+}
 
 /// The guess, or where the step began, whichever has the smaller merit.
 void ImplicitStage::Impl::choose_guess(System& system, const Stage& stage, State& state) {
@@ -292,10 +326,16 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
   Impl& s = *impl_;
   const StrainsOfAStage strains(system, stage);
   s.equation.begin(system, stage);
+  StepReport& report = system.step_report();
+  if (s.settings.newton_error > 0 && s.equation.has_potential() && system.colliders() == 0 &&
+      s.contract(system, state)) {
+    report.potential_change = std::nan("");  // Φ was not looked at
+    s.equation.set_velocity(state);
+    return "";
+  }
   s.choose_guess(system, stage, state);
   std::string reason = s.iterate(system, state);
   if (!reason.empty()) return reason;
-  StepReport& report = system.step_report();
   if (s.equation.has_potential()) report.potential_change += s.equation.merit(state);
   // Without a potential of all forces Φ is another function along each way.
   if (s.equation.has_potential() && !s.equation.is_gradient())
@@ -305,6 +345,7 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
 }
 
 std::vector<Touch> ImplicitStage::touching() const { return impl_->equation.contacts().touching(); }
+bool ImplicitStage::counts_corrections() const { return impl_->settings.newton_error > 0; }
 bool ImplicitStage::resolves_contacts() const { return impl_->equation.has_potential(); }
 void ImplicitStage::save(Memory& memory) const { impl_->equation.contacts().save(memory); }
 void ImplicitStage::load(const Memory& memory) { impl_->equation.contacts().load(memory); }

@@ -191,8 +191,7 @@ void SteppedIntegrator::count(System& system, double step) {
 double SteppedIntegrator::error_of(const System& system, const NodeVectors& error) const {
   const auto& rest = system.rest();
   const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
-  const double mass = system.mass().sum();
-  return std::sqrt(system.mass().dot(error.rowwise().squaredNorm()) / mass) / size;
+  return system.root_mean_square(error) / size;
 }
 
 /// The cubic Hermite polynomial of r at both ends of the last step, and its derivative.

@@ -107,6 +107,10 @@ void System::stiffen(Index node, const Eigen::Matrix3d& block) {
   impl_->tangent.block(node, node) += block;
 }
 
+double System::root_mean_square(const NodeVectors& field) const {
+  return std::sqrt(mass().dot(field.rowwise().squaredNorm()) / mass().sum());
+}
+
 NodeValues System::mean_stiffness() const {
   NodeValues mean(nodes());
   const BlockMatrix& k = impl_->tangent;

@@ -46,6 +46,9 @@ struct Touch {
 struct StageSettings {
   double tolerance = 1e-6;       ///< of what is left over, relative to the forces at work
   std::int64_t iterations = 50;  ///< of Newton's method, at most
+  /// Error that Newton's method may leave, root mean square over the mass, in sizes of the surface:
+  /// where its corrections shrink fast, two or three are enough; 0: `tolerance` alone decides.
+  double newton_error = 0;
 };
 
 /// Solves stages one after another; remembers what the next may profit from.
@@ -57,6 +60,10 @@ struct StageSettings {
 /// way, with the symmetric part of their tangent; where that converges slowly close to a solution,
 /// with the Jacobian of all forces. Colliders act by an augmented Lagrangian: normal forces and
 /// friction (Coulomb's law, sticking included) are multipliers that are updated until they hold.
+///
+/// With `newton_error`, and without colliders, it first tries to do without Φ: straight steps, whose
+/// lengths ‖Δ_k‖ must shrink by a factor of two at least, until θ/(1 − θ) ‖Δ_k‖, θ = ‖Δ_k‖/‖Δ_k−1‖,
+/// is below that error (Hairer & Wanner, IV.8; Deuflhard's natural monotonicity test).
 ///
 /// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
 /// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;
@@ -72,6 +79,9 @@ class DEFORM_API ImplicitStage {
   /// `state` the solution (r, v, time) and returns "", or says why there is none; `state` is then
   /// of no use. Throws NotFinite and what plugins throw. Adds to the system's step report.
   [[nodiscard]] std::string solve(System& system, const Stage& stage, State& state);
+
+  /// Whether a better guess than r + h v is worth while: `newton_error` is set.
+  [[nodiscard]] bool counts_corrections() const;
 
   /// What colliders pushed in the last solution, nodes ascending; a node that two push is there
   /// twice.

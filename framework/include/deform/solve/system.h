@@ -133,6 +133,8 @@ class DEFORM_API System {
   /// Adds a symmetric 3 × 3 block [N/m] to the tangent of the last evaluate_with_tangent, on a
   /// node's diagonal: of forces that the System does not know.
   void stiffen(Index node, const Eigen::Matrix3d& block);
+  /// Root mean square of a field (N × 3) over the mass.
+  [[nodiscard]] double root_mean_square(const NodeVectors& field) const;
   /// (N) A third of the trace of each node's diagonal block of that tangent [N/m].
   [[nodiscard]] NodeValues mean_stiffness() const;
   /// Energy of all terms and potential energy of all force fields at a state [J].
