@@ -131,6 +131,14 @@ TEST_F(Resume, SymmetricMatrixToTheSameBits) {
   stop_everywhere(scene({{"/energies/1", R"({"plugin": "bending_variational", "xi": 1e-6})"}}));
 }
 
+TEST_F(Resume, MultigridAndQuickNewtonStepsToTheSameBits) {
+  stop_everywhere(scene({{"/energies/1", R"({"plugin": "bending_variational", "xi": 1e-6})"},
+                         {"/solver", R"({"plugin": "multigrid"})"},
+                         {"/integrator", R"({"plugin": "backward_euler", "step": 0.02,
+                                             "newton_error": 1e-4})"},
+                         {"/duration", "0.3"}}));
+}
+
 TEST_F(Resume, WithShadowsToTheSameBits) {
   stop_everywhere(scene({{"/shadow", R"(["exact", {"plugin": "gauss", "delta": 0.2}])"}}));
 }

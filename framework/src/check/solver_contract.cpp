@@ -1,9 +1,13 @@
 /// Linear solvers: residuals of a few systems, other values in the same pattern, memory.
+#include <numeric>
 #include <random>
+#include <set>
+#include <span>
 
 #include <Eigen/Dense>
 
 #include "deform/solve/linear_solver.h"
+#include "deform/surface/surface.h"
 
 #include "check/bitwise.h"
 #include "check/contracts.h"
@@ -56,11 +60,18 @@ MatrixXd solution(LinearSolver& solver, const MatrixXd& a, Checks& checks) {
   return x;
 }
 
+/// Unknowns that belong to the nodes of the terrain, or to none that the solver is told of.
+MatrixTraits traits_of(Index n, bool symmetric, std::span<const std::int32_t> nodes = {}) {
+  return {.size = n, .symmetric = symmetric, .positive_definite = symmetric, .nodes = nodes};
+}
+
 void check_matrices(const Subject& subject, const Terrain& terrain, bool symmetric,
-                    Checks& checks) {
+                    std::span<const std::int32_t> nodes, Checks& checks) {
   const auto made = [&] { return subject.make<LinearSolver>(terrain).object; };
-  for (const Index n : {1, 2, 7, 40, 150}) {
-    const MatrixTraits traits{.size = n, .symmetric = symmetric, .positive_definite = symmetric};
+  std::vector<Index> sizes{1, 2, 7, 40, 150};
+  if (!nodes.empty()) sizes = {static_cast<Index>(nodes.size())};
+  for (const Index n : sizes) {
+    const MatrixTraits traits = traits_of(n, symmetric, nodes);
     const auto solver = made();
     solver->analyse(sparse(random_matrix(n, 1, symmetric)), traits);
     for (const unsigned seed : {1U, 2U, 3U}) {  // analysed once, other values in the same pattern
@@ -77,6 +88,71 @@ void check_matrices(const Subject& subject, const Terrain& terrain, bool symmetr
   }
 }
 
+/// Links along the faces, each resisting what it is stretched and turned by differently; every node
+/// held a little.
+BlockMatrix block_matrix(const Surface& surface, double sign) {
+  BlockMatrix k;
+  k.nodes = surface.nodes();
+  std::vector<std::set<Index>> columns(static_cast<std::size_t>(k.nodes));
+  const Faces& faces = surface.faces();
+  const auto each_link = [&](const auto& visit) {
+    for (std::size_t f = 0; f < static_cast<std::size_t>(faces.size()); ++f)
+      for (auto i = faces.begin[f]; i + 1 < faces.begin[f + 1]; ++i) {
+        const Index a = faces.nodes[static_cast<std::size_t>(i)],
+                    b = faces.nodes[static_cast<std::size_t>(i) + 1];
+        visit(std::min(a, b), std::max(a, b));
+      }
+  };
+  each_link([&](Index a, Index b) { columns[static_cast<std::size_t>(a)].insert(b); });
+  for (Index a = 0; a < k.nodes; ++a) {
+    columns[static_cast<std::size_t>(a)].insert(a);
+    for (const Index b : columns[static_cast<std::size_t>(a)])
+      k.column.push_back(static_cast<std::int32_t>(b));
+    k.row_begin.push_back(static_cast<std::int32_t>(k.column.size()));
+  }
+  k.value.assign(9 * k.column.size(), 0.0);
+  each_link([&](Index a, Index b) {
+    const Vec3 along = Vec3(std::sin(double(a)), std::cos(double(b)), 1).normalized();
+    const Eigen::Matrix3d link =
+        sign * (10 * along * along.transpose() + Eigen::Matrix3d::Identity());
+    k.block(a, a) += link;
+    k.block(b, b) += link;
+    k.block(a, b) -= link;
+  });
+  for (Index a = 0; a < k.nodes; ++a) k.block(a, a) += 0.01 * sign * Eigen::Matrix3d::Identity();
+  return k;
+}
+
+void check_blocks(const Subject& subject, const Terrain& terrain, Checks& checks) {
+  const Made<LinearSolver> made = subject.make<LinearSolver>(terrain);
+  BlockSolver& solver = *made.object->blocks();
+  const BlockMatrix k = block_matrix(*made.surface, 1);
+  checks.report("suitability for matrices of blocks", solver.block_suitability(k.nodes));
+  std::vector<std::uint8_t> held(static_cast<std::size_t>(k.nodes), 0);
+  held[0] = 7, held[5] = 2;
+  solver.analyse(k, held);
+  const NodeValues d = NodeValues::Constant(k.nodes, 0.1);
+  NodeVectors b = right_hand_sides(k.nodes), x, again, product;
+  const auto hold = [](NodeVectors& v) { v.row(0).setZero(), v(5, 1) = 0; };
+  solver.factor(k, d, true);
+  checks.holds("solves with definite matrices of blocks",
+               solver.solve(b, 1e-5, x) == Outcome::solved, "it says that it does not");
+  NodeVectors kept = x;
+  hold(kept);
+  checks.holds("leaves held components at 0", kept == x, "they move");
+  k.multiply(x, product);
+  product += d.asDiagonal() * x;
+  hold(product), hold(b);
+  checks.below("|A x − b| / |b|, blocks, tolerance 1e-5", (product - b).norm() / b.norm(), 1e-3);
+  const BlockMatrix negative = block_matrix(*made.surface, -1);
+  solver.factor(negative, d, true);
+  checks.holds("says that a matrix of blocks is not positive definite",
+               solver.solve(b, 1e-5, again) == Outcome::indefinite, "it solves with it");
+  solver.factor(k, d, true);
+  checks.holds("a renewed matrix of blocks remembers nothing of earlier ones",
+               solver.solve(b, 1e-5, again) == Outcome::solved && again == x, "other bits");
+}
+
 void report_singular(LinearSolver& solver, bool symmetric, Checks& checks) {
   MatrixXd a = random_matrix(30, 1, symmetric);
   const SparseMatrix pattern = sparse(a);
@@ -86,7 +162,7 @@ void report_singular(LinearSolver& solver, bool symmetric, Checks& checks) {
          p < pattern.row_begin[static_cast<std::size_t>(i) + 1]; ++p)
       if (i == 17 || pattern.column[static_cast<std::size_t>(p)] == 17)
         singular.value[static_cast<std::size_t>(p)] = 0;
-  solver.analyse(pattern, {.size = 30, .symmetric = symmetric, .positive_definite = symmetric});
+  solver.analyse(pattern, traits_of(30, symmetric));
   const std::string why = solver.factor(singular);
   checks.report("on a singular matrix", why.empty() ? "says nothing" : "says: " + why);
 }
@@ -97,19 +173,28 @@ void check_solver_contract(const Subject& subject, Checks& checks) {
   const Terrain terrain = terrains(9, 7).front();
   bool suits_the_run = false;  // whose matrix is symmetric
   checks.runs("solves", [&] {
-    const auto solver = subject.make<LinearSolver>(terrain).object;
+    const Made<LinearSolver> made = subject.make<LinearSolver>(terrain);
+    const auto& solver = made.object;
     bool is_of_use = false;
-    for (const bool symmetric : {true, false}) {
-      const MatrixTraits traits{.size = 9, .symmetric = symmetric, .positive_definite = symmetric};
-      const double suitability = solver->suitability(traits);
-      checks.report(symmetric ? "suitability for symmetric definite matrices"
-                              : "suitability for unsymmetric matrices",
-                    suitability);
-      if (suitability <= 0) continue;
+    std::vector<std::int32_t> all(static_cast<std::size_t>(made.surface->nodes()));
+    std::iota(all.begin(), all.end(), 0);
+    for (const bool symmetric : {true, false})
+      for (const std::span<const std::int32_t> nodes : {std::span<const std::int32_t>(), {all}}) {
+        const Index n = nodes.empty() ? 9 : made.surface->nodes();
+        const double suitability = solver->suitability(traits_of(n, symmetric, nodes));
+        checks.report(std::string("suitability for ") +
+                          (symmetric ? "symmetric definite" : "unsymmetric") + " matrices" +
+                          (nodes.empty() ? "" : " with an unknown a node"),
+                      suitability);
+        if (suitability <= 0) continue;
+        is_of_use = true;
+        suits_the_run = suits_the_run || symmetric;
+        check_matrices(subject, terrain, symmetric, nodes, checks);
+        if (nodes.empty()) report_singular(*solver, symmetric, checks);
+      }
+    if (solver->blocks() != nullptr) {
       is_of_use = true;
-      suits_the_run = suits_the_run || symmetric;
-      check_matrices(subject, terrain, symmetric, checks);
-      report_singular(*solver, symmetric, checks);
+      check_blocks(subject, terrain, checks);
     }
     checks.holds("suits some matrices", is_of_use, "its suitability is 0 for all");
   });

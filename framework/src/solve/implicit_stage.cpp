@@ -40,8 +40,8 @@ constexpr double kRoundingOfForces = 1e-6;
 /// steps, and this close to a solution, their whole Jacobian is worth what it costs.
 constexpr std::int64_t kSlow = 10;
 constexpr double kClose = 0.2;
-/// Newton's method without a look at Φ goes on while a correction is this part of the one before, at
-/// most, and this often.
+/// Newton's method without a look at Φ goes on while a correction is this part of the one before,
+/// at most, and this often.
 constexpr double kContraction = 0.5;
 constexpr int kMostContractions = 8;
 

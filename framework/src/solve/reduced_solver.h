@@ -29,9 +29,9 @@ class ReducedSolver {
  private:
   struct Group {
     std::vector<int> components;
-    std::vector<Index> free;  // nodes
+    std::vector<Index> free;          // nodes
     std::vector<std::int32_t> nodes;  // the same, for solvers
-    std::vector<Tie> ties;    // of the first component
+    std::vector<Tie> ties;            // of the first component
     std::optional<ReducedMatrix> matrix;
     std::optional<SolverQueue> solvers;
     Eigen::MatrixXd rhs, solution;

@@ -45,6 +45,7 @@ std::string SolverQueue::factor_with(std::size_t i, const SparseMatrix& a) {
 }
 
 std::string SolverQueue::factor_with_first(const SparseMatrix& a) {
+  matrix_ = nullptr;
   const std::string reason = factor_with(0, a);
   return reason.empty() ? "" : solvers_.front().name + ": " + reason;
 }
@@ -83,8 +84,7 @@ void SolverQueue::solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x) {
       if (!can_go_on || matrix_ == nullptr) throw;
       log_handover(in_use_, e.what());
       const std::string reasons = factor_from(in_use_ + 1);
-      if (!reasons.empty())
-        throw Error(ExitCode::diverged, std::string(e.what()) + "; " + reasons);
+      if (!reasons.empty()) throw Error(ExitCode::diverged, std::string(e.what()) + "; " + reasons);
     }
   }
 }

@@ -37,7 +37,7 @@ class SolverQueue {
   std::vector<Named<LinearSolver>> solvers_;
   std::vector<bool> analysed_;
   std::size_t in_use_ = 0;
-  const SparseMatrix* matrix_ = nullptr;  // of the last factor
+  const SparseMatrix* matrix_ = nullptr;  // that all may factorise; null: the first alone
   long handovers_ = 0;
 };
 

@@ -30,8 +30,9 @@ class TangentSolver {
   void solve(const NodeVectors& b, NodeVectors& x);
 
   /// The same for solutions whose error is reduced to a tolerance. `renew`: nothing that was
-  /// prepared for earlier matrices may be used. k stays as it is until the next call. Both return ""
-  /// or why the matrix is not positive definite, which an iterative solver may find only in the end.
+  /// prepared for earlier matrices may be used. k stays as it is until the next call. Both return
+  /// "" or why the matrix is not positive definite, which an iterative solver may find only in the
+  /// end.
   [[nodiscard]] std::string factor_to_tolerance(const BlockMatrix& k, const NodeValues& d,
                                                 bool renew);
   [[nodiscard]] std::string solve_to_tolerance(double tolerance, const NodeVectors& b,

@@ -26,6 +26,7 @@ class SurfaceCheck {
     check_arrays();
     check_faces();
     for (const SampleRole role : {SampleRole::membrane, SampleRole::bending}) check_samples(role);
+    check_coarsening();
     for (const std::string& name : surface_.boundary_names()) {
       check_selection("boundary", name, surface_.boundary(name));
       check_edge(name);
@@ -85,6 +86,35 @@ class SurfaceCheck {
         std::ranges::find_if(weights, [](double w) { return !(w >= 0 && w < kInfinity); });
     if (bad != weights.end()) {
       note("{} has a sample of weight {}, expected a finite area", what, *bad);
+    }
+  }
+
+  /// Each prolongation starts where the one before ended, and keeps constants.
+  void check_coarsening() {
+    Index fine = nodes_;
+    const std::vector<Prolongation> all = surface_.coarsening();
+    for (std::size_t l = 0; l < all.size(); ++l) {
+      const Prolongation& p = all[l];
+      const bool is_table = static_cast<Index>(p.begin.size()) == fine + 1 &&
+                            p.begin.front() == 0 && std::ranges::is_sorted(p.begin) &&
+                            p.begin.back() == static_cast<std::int64_t>(p.node.size()) &&
+                            p.weight.size() == p.node.size() && p.coarse > 0 && p.coarse < fine;
+      if (!is_table)
+        return note("coarsening()[{}] is no table of {} rows with fewer columns", l, fine);
+      for (Index a = 0; a < fine; ++a) {
+        double sum = 0;
+        for (auto q = static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a)]);
+             q < static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a) + 1]); ++q) {
+          if (p.node[q] < 0 || p.node[q] >= p.coarse)
+            return note("coarsening()[{}] names coarse node {}, expected 0 to {}", l, p.node[q],
+                        p.coarse - 1);
+          sum += p.weight[q];
+        }
+        if (!(std::abs(sum - 1) < 1e-9))
+          return note("coarsening()[{}] has weights of node {} that sum to {}, expected 1", l, a,
+                      sum);
+      }
+      fine = p.coarse;
     }
   }
 

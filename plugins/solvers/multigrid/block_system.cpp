@@ -85,14 +85,14 @@ void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues&
 
 Ending BlockSystem::iterate(double tolerance, int most) {
   Level<Block>& level = cycle_->finest();
-  const Ending end = gradients_.solve(
-      [&](Index a, const LaneVector& y) { return level.row_times(a, y); },
-      [&](const LaneVector& r, LaneVector& z) {
-        level.f = r;
-        cycle_->run();
-        z = level.x;
-      },
-      b_, x_, tolerance, most);
+  const Ending end =
+      gradients_.solve([&](Index a, const LaneVector& y) { return level.row_times(a, y); },
+                       [&](const LaneVector& r, LaneVector& z) {
+                         level.f = r;
+                         cycle_->run();
+                         z = level.x;
+                       },
+                       b_, x_, tolerance, most);
   iterations_ += end.iterations;
   return end;
 }

@@ -40,9 +40,11 @@ template <class Entry>
 void Cycle<Entry>::renew(bool coarse_levels) {
   levels_.front().finish();
   if (!coarse_levels) return;
+  if (treatment_ == Finest::smoothed) levels_.front().choose_damping();
   for (std::size_t l = 1; l < levels_.size(); ++l) {
     between_[l - 1].multiply(levels_[l - 1], levels_[l]);
     levels_[l].finish();
+    levels_[l].choose_damping();
   }
   factor_coarsest();
 }
@@ -84,8 +86,7 @@ void Cycle<Entry>::solve_coarsest() {
   for (int c = 0; c < 3; c += static_cast<int>(kComponents)) {
     for (Index a = 0; a < level.pattern.nodes; ++a)
       for (Index i = 0; i < kComponents; ++i)
-        f_[kComponents * a + i] =
-            level.f[static_cast<std::size_t>(a)][c + static_cast<int>(i)];
+        f_[kComponents * a + i] = level.f[static_cast<std::size_t>(a)][c + static_cast<int>(i)];
     x_.noalias() = inverse_ * f_;
     for (Index a = 0; a < level.pattern.nodes; ++a)
       for (Index i = 0; i < kComponents; ++i)
@@ -101,8 +102,8 @@ void Cycle<Entry>::correct(std::size_t l, const LaneVector& x_coarse, bool from_
   deform::parallel_blocks(level.pattern.nodes, kRows, [&](Index first, Index size) {
     for (Index a = first; a < first + size; ++a) {
       const auto i = static_cast<std::size_t>(a);
-      level.x[i] = (from_zero ? level.smoothed(a, level.f[i]) : level.x[i]) +
-                   to.prolonged(a, x_coarse);
+      level.x[i] =
+          (from_zero ? level.smoothed(a, level.f[i]) : level.x[i]) + to.prolonged(a, x_coarse);
     }
   });
   level.mask(level.x);

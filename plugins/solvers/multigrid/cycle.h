@@ -19,8 +19,8 @@ template <class Entry>
 class Cycle {
  public:
   /// `held`: masks of nodes with held components, ascending; `coarsening`: from fine to coarse.
-  Cycle(Pattern finest, std::vector<Mask> held,
-        const std::vector<deform::Prolongation>& coarsening, Finest treatment);
+  Cycle(Pattern finest, std::vector<Mask> held, const std::vector<deform::Prolongation>& coarsening,
+        Finest treatment);
 
   [[nodiscard]] Level<Entry>& finest() { return levels_.front(); }
   [[nodiscard]] std::size_t levels() const { return levels_.size(); }

@@ -1,11 +1,24 @@
 #include "level.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace multigrid {
 namespace {
 
 const Lanes kAll{{1, 1, 1, 0}};
+
+/// ω λ: below 2 by more than what so many power iterations may underestimate λ by.
+constexpr double kDampingOfLargest = 1.6;
+constexpr int kPowerIterations = 6;
+
+/// 1 or −1, without a pattern that a matrix might have, too.
+float random_sign(std::size_t i) {
+  std::uint64_t x = (i + 1) * 0x9E3779B97F4A7C15U;
+  x ^= x >> 31;
+  x *= 0xBF58476D1CE4E5B9U;
+  return (x >> 40 & 1) != 0 ? 1.0F : -1.0F;
+}
 
 void cut(Sum<Block>& block, const Lanes& row, const Lanes& column) {
   for (int c = 0; c < 3; ++c)
@@ -65,6 +78,41 @@ void Level<Entry>::finish() {
       std::ranges::copy(block, inverse.begin() + static_cast<std::ptrdiff_t>(a * Entry::kSize));
     }
   });
+}
+
+template <class Entry>
+double Level<Entry>::product(const LaneVector& a, const LaneVector& b) {
+  parts_.resize(static_cast<std::size_t>((pattern.nodes + kRows - 1) / kRows));
+  deform::parallel_blocks(pattern.nodes, kRows, [&](Index first, Index size) {
+    double sum = 0;
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(first + size); ++i)
+      sum += dot(a[i], b[i]);
+    parts_[static_cast<std::size_t>(first / kRows)] = sum;
+  });
+  return std::accumulate(parts_.begin(), parts_.end(), 0.0);
+}
+
+/// Power iterations x ← D⁻¹A x; the quotient is xᵀA D⁻¹A x / xᵀA x.
+template <class Entry>
+void Level<Entry>::choose_damping() {
+  damping_ = 1;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (int c = 0; c < 3; ++c) x[i].set(c, random_sign(3 * i + static_cast<std::size_t>(c)));
+  mask(x);
+  double largest = 0;
+  for (int k = 0; k < kPowerIterations; ++k) {
+    deform::parallel_blocks(pattern.nodes, kRows, [&](Index first, Index size) {
+      for (Index a = first; a < first + size; ++a) {
+        const auto i = static_cast<std::size_t>(a);
+        r[i] = row_times(a, x);
+        next_[i] = smoothed(a, r[i]);
+      }
+    });
+    const double below = product(x, r);
+    largest = below > 0 ? product(next_, r) / below : 0;
+    x.swap(next_);
+  }
+  damping_ = largest > 0 ? static_cast<float>(kDampingOfLargest / largest) : 0.65F;
 }
 
 template <class Entry>

@@ -35,11 +35,11 @@ struct Mask {
 template <class Entry>
 struct Level {
   Pattern pattern;
-  std::vector<float> value;           ///< Entry::kSize numbers a place, and room for one read beyond
-  std::vector<float> inverse;         ///< of the diagonal, likewise
-  std::vector<std::int32_t> diagonal; ///< places
-  std::vector<Mask> held;             ///< ascending
-  LaneVector f, x, r;                 ///< right-hand side, correction, residual
+  std::vector<float> value;    ///< Entry::kSize numbers a place, and room for one read beyond
+  std::vector<float> inverse;  ///< of the diagonal, likewise
+  std::vector<std::int32_t> diagonal;  ///< places
+  std::vector<Mask> held;              ///< ascending
+  LaneVector f, x, r;                  ///< right-hand side, correction, residual
 
   /// Makes room for the matrix of a pattern. `masks`: nodes with held components, ascending.
   void prepare(Pattern p, std::vector<Mask> masks);
@@ -60,7 +60,7 @@ struct Level {
     return even + odd;
   }
   [[nodiscard]] Lanes smoothed(Index a, const Lanes& residual) const {
-    return kDamping *
+    return damping_ *
            Entry::apply(inverse.data() + static_cast<std::size_t>(a) * Entry::kSize, residual);
   }
   void mask(LaneVector& y) const {
@@ -70,6 +70,9 @@ struct Level {
     }
   }
 
+  /// Chooses ω for steps that smooth, from an estimate of the largest eigenvalue of D⁻¹A.
+  void choose_damping();
+
   /// x = ω D⁻¹ f.
   void start();
   /// r = f − A x.
@@ -78,14 +81,16 @@ struct Level {
   void smooth();
 
  private:
-  /// Of block Jacobi steps: smooths stretching and bending of shells alike.
-  static constexpr float kDamping = 0.65F;
+  [[nodiscard]] double product(const LaneVector& a, const LaneVector& b);
+
   struct Cut {
     std::int32_t place = 0;
     Lanes row, column;
   };
   std::vector<Cut> cuts_;  // blocks with held components
   LaneVector next_;
+  float damping_ = 0.65F;  // ω: right for membranes, whose largest eigenvalue is about 2
+  std::vector<double> parts_;
 };
 
 }  // namespace multigrid

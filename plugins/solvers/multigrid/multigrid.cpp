@@ -8,7 +8,7 @@ namespace {
 using namespace deform;
 
 struct Parameters {
-  double tolerance = 1e-10;
+  double tolerance = 1e-9;
   std::int64_t iterations = 100;
   std::int64_t smallest = 1000;
   static void declare(Declaration<Parameters>& d) {
@@ -56,7 +56,8 @@ class Multigrid final : public LinearSolver, public BlockSolver {
 
   [[nodiscard]] BlockSolver* blocks() override { return this; }
   void analyse(const BlockMatrix& pattern, const std::vector<std::uint8_t>& held) override {
-    block_.emplace(pattern, held, coarsening_, multigrid::BlockSystem::Limits{.iterations = most()});
+    block_.emplace(pattern, held, coarsening_,
+                   multigrid::BlockSystem::Limits{.iterations = most()});
   }
   void factor(const BlockMatrix& a, const NodeValues& d, bool renew) override {
     block_->factor(a, d, renew);
@@ -83,8 +84,10 @@ class Multigrid final : public LinearSolver, public BlockSolver {
 }  // namespace
 
 DEFORM_PLUGIN(Multigrid, Parameters, .name = "multigrid", .version = "1.0",
-              .summary = "conjugate gradients preconditioned by geometric multigrid, for symmetric "
-                         "positive definite matrices of large surfaces that have coarser nodes",
+              .summary =
+                  "conjugate gradients preconditioned by geometric multigrid, for symmetric "
+                  "positive definite matrices of large surfaces that have coarser nodes",
               .formula = "z = ω D⁻¹ r + P V(Pᵀ r), A_coarse = Pᵀ A P",
-              .source = "Briggs, Henson & McCormick, A Multigrid Tutorial; additive finest level: "
-                        "Bramble, Pasciak & Xu 1990")
+              .source =
+                  "Briggs, Henson & McCormick, A Multigrid Tutorial; additive finest level: "
+                  "Bramble, Pasciak & Xu 1990")

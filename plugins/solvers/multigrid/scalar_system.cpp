@@ -38,21 +38,20 @@ std::vector<Mask> masks_of(std::span<const std::int32_t> nodes, Index total) {
 
 ScalarSystem::ScalarSystem(const deform::SparseMatrix& pattern, std::span<const std::int32_t> nodes,
                            Index total, const std::vector<deform::Prolongation>& coarsening)
-    : node_(nodes.begin(), nodes.end()) {
+    : a_(pattern), node_(nodes.begin(), nodes.end()) {
   cycle_.emplace(pattern_of(pattern, nodes, total), masks_of(nodes, total), coarsening,
                  Finest::smoothed);
   b_.resize(node_.size());
 }
 
 void ScalarSystem::factor(const deform::SparseMatrix& a) {
-  a_ = &a;
+  a_.value = a.value;
   Level<Scalar>& level = cycle_->finest();
   // Unknowns are numbered as their nodes are, so that rows keep the order of their entries.
   deform::parallel_blocks(a.size, kRows, [&](Index first, Index size) {
     for (auto q = static_cast<std::size_t>(first); q < static_cast<std::size_t>(first + size);
          ++q) {
-      float* to = level.value.data() +
-                  level.pattern.begin[static_cast<std::size_t>(node_[q])];
+      float* to = level.value.data() + level.pattern.begin[static_cast<std::size_t>(node_[q])];
       for (auto p = a.row_begin[q]; p < a.row_begin[q + 1]; ++p)
         *to++ = static_cast<float>(a.value[static_cast<std::size_t>(p)]);
     }
@@ -73,9 +72,9 @@ std::string ScalarSystem::solve(const Eigen::Ref<const Eigen::MatrixXd>& b, doub
   const Ending end = gradients_.solve(
       [&](Index q, const std::vector<Triple>& y) {
         Triple sum;
-        for (auto p = static_cast<std::size_t>(a_->row_begin[static_cast<std::size_t>(q)]);
-             p < static_cast<std::size_t>(a_->row_begin[static_cast<std::size_t>(q) + 1]); ++p)
-          sum += a_->value[p] * y[static_cast<std::size_t>(a_->column[p])];
+        for (auto p = static_cast<std::size_t>(a_.row_begin[static_cast<std::size_t>(q)]);
+             p < static_cast<std::size_t>(a_.row_begin[static_cast<std::size_t>(q) + 1]); ++p)
+          sum += a_.value[p] * y[static_cast<std::size_t>(a_.column[p])];
         return sum;
       },
       [&](const std::vector<Triple>& r, std::vector<Triple>& z) {

@@ -45,7 +45,7 @@ class ScalarSystem {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  const deform::SparseMatrix* a_ = nullptr;
+  deform::SparseMatrix a_;          // of the last factor
   std::vector<std::int32_t> node_;  // of an unknown
   std::optional<Cycle<Scalar>> cycle_;
   ConjugateGradients<Triple, double> gradients_;

@@ -64,8 +64,8 @@ std::vector<Shares> make_coarser(Places& line) {
 }
 
 /// All pairs of weights, coarse nodes ascending.
-deform::Prolongation product(const std::vector<Shares>& along_1,
-                             const std::vector<Shares>& along_2, Index n_1, Index n_2) {
+deform::Prolongation product(const std::vector<Shares>& along_1, const std::vector<Shares>& along_2,
+                             Index n_1, Index n_2) {
   deform::Prolongation p;
   p.coarse = n_1 * n_2;
   for (const Shares& row_2 : along_2)

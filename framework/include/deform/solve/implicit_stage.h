@@ -61,9 +61,10 @@ struct StageSettings {
 /// with the Jacobian of all forces. Colliders act by an augmented Lagrangian: normal forces and
 /// friction (Coulomb's law, sticking included) are multipliers that are updated until they hold.
 ///
-/// With `newton_error`, and without colliders, it first tries to do without Φ: straight steps, whose
-/// lengths ‖Δ_k‖ must shrink by a factor of two at least, until θ/(1 − θ) ‖Δ_k‖, θ = ‖Δ_k‖/‖Δ_k−1‖,
-/// is below that error (Hairer & Wanner, IV.8; Deuflhard's natural monotonicity test).
+/// With `newton_error`, and without colliders, it first tries to do without Φ: straight steps,
+/// whose lengths ‖Δ_k‖ must shrink by a factor of two at least, until θ/(1 − θ) ‖Δ_k‖, θ =
+/// ‖Δ_k‖/‖Δ_k−1‖, is below that error (Hairer & Wanner, IV.8; Deuflhard's natural monotonicity
+/// test).
 ///
 /// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
 /// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;

@@ -182,8 +182,8 @@ class DEFORM_API System {
   /// components of x are 0.
   void solve_tangent(const NodeVectors& b, NodeVectors& x);
   /// Both at once, for directions that need not be exact: the solution's error, in a norm of the
-  /// solver's choice, is `tolerance` of that of 0 or less. Iterative where a solver suits. Returns ""
-  /// or why the matrix is not positive definite.
+  /// solver's choice, is `tolerance` of that of 0 or less. Iterative where a solver suits. Returns
+  /// "" or why the matrix is not positive definite.
   [[nodiscard]] std::string solve_tangent_to(double tolerance, const NodeValues& d,
                                              const NodeVectors& b, NodeVectors& x);
   /// Takes a direction d from r (both N × 3 [m]) for steps that turn parts of the surface by finite

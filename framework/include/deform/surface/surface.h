@@ -63,8 +63,8 @@ class DEFORM_API Surface : public Plugin {
   /// `boundary`, for constraints and loads on edges; empty where the surface has none.
   [[nodiscard]] virtual std::vector<EdgeNode> edge(const std::string& /*name*/) const { return {}; }
 
-  /// Fewer and fewer nodes for multigrid, from fine to coarse, each with a quarter to a half of those
-  /// before, down to a few dozen; empty where the surface has none.
+  /// Fewer and fewer nodes for multigrid, from fine to coarse, each with a quarter to a half of
+  /// those before, down to a few dozen; empty where the surface has none.
   [[nodiscard]] virtual std::vector<Prolongation> coarsening() const { return {}; }
 
   /// What to change in a scene for the same surface with nodes twice as close: pointers below the

@@ -1,0 +1,167 @@
+/// Multigrid: coarser nodes, systems solved as factorisations solve them, work that does not grow.
+#include <fmt/format.h>
+
+#include "model/support/random.h"
+#include "model/support/simulate.h"
+
+namespace deform {
+namespace {
+
+using test::random_vectors;
+using test::simulation_from_text;
+using test::simulation_of;
+
+/// A sheet that is let go; the rest of the scene in pieces of JSON.
+std::string sheet(const std::string& surface, const std::string& integrator,
+                  const std::string& more = "") {
+  return fmt::format(R"({{
+    "surface": {{"plugin": "grid", {}}},
+    "material": {{"density": 0.2}},
+    "energies": [{{"plugin": "koiter", "young": 1e6, "poisson": 0.3, "thickness": 1e-3}}],
+    "forces": [{{"plugin": "gravity"}}],
+    "constraints": [{{"plugin": "pin", "where": {{"corners": ["left_bottom", "left_top"]}}}}],
+    "integrator": {{"plugin": {}, "step": 0.01}}, "duration": 0.1{}}})",
+                     surface, integrator, more);
+}
+
+NodeVectors end_of(const std::string& scene) {
+  Simulation simulation = simulation_from_text(scene);
+  const auto diverged = test::run_to_end(simulation);
+  EXPECT_FALSE(diverged) << diverged->what();
+  return simulation.state().r;
+}
+
+struct Shape {
+  std::string name, surface;
+};
+std::ostream& operator<<(std::ostream& out, const Shape& shape) { return out << shape.name; }
+
+class Coarsening : public testing::TestWithParam<Shape> {};
+
+/// Interpolated linear functions of the parameters are exact, but across a joined side.
+TEST_P(Coarsening, KeepsLinearFunctions) {
+  Simulation simulation = simulation_from_text(
+      fmt::format(R"({{"surface": {{"plugin": "grid", {}}}, "material": {{"density": 1}},
+        "integrator": {{"plugin": "symplectic_euler", "step": 0.01}}, "duration": 0.01}})",
+                  GetParam().surface));
+  const Surface& surface = simulation.system().surface();
+  Eigen::MatrixX2d fine = surface.parameters();
+  Index coarsest = surface.nodes();
+  for (const Prolongation& p : surface.coarsening()) {
+    Eigen::MatrixX2d coarse(p.coarse, 2);
+    for (Index a = 0; a < fine.rows(); ++a)
+      if (const auto q = p.begin[static_cast<std::size_t>(a)];
+          p.begin[static_cast<std::size_t>(a) + 1] == q + 1)
+        coarse.row(p.node[static_cast<std::size_t>(q)]) = fine.row(a);
+    for (Index a = 0; a < fine.rows(); ++a) {
+      Vec2 sum = Vec2::Zero(), least = fine.row(a), most = least;
+      for (auto q = static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a)]);
+           q < static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a) + 1]); ++q) {
+        const Vec2 at = coarse.row(p.node[q]);
+        sum += p.weight[q] * at;
+        least = least.cwiseMin(at), most = most.cwiseMax(at);
+      }
+      for (int k = 0; k < 2; ++k) {
+        const bool wraps = surface.period()[k] > 0 && most[k] - least[k] > surface.period()[k] / 2;
+        if (!wraps) {
+          EXPECT_NEAR(sum[k], fine(a, k), 1e-12);
+        }
+      }
+    }
+    fine = coarse;
+    coarsest = p.coarse;
+  }
+  EXPECT_LE(coarsest, 30);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Grids, Coarsening,
+    testing::Values(Shape{"powers_of_two", R"("nodes": [33, 33])"},
+                    Shape{"even", R"("nodes": [20, 26], "size": [1, 1.3])"},
+                    Shape{"a_strip", R"("nodes": [200, 5], "size": [40, 1])"},
+                    Shape{"flat_cells", R"("nodes": [40, 40], "size": [1, 8])"},
+                    Shape{"a_cylinder", R"("nodes": [24, 13], "periodic": [true, false],
+                          "rest": {"plugin": "arc", "radius": 0.15915494309189535})"},
+                    Shape{"an_odd_cylinder", R"("nodes": [25, 13], "periodic": [true, false],
+                          "rest": {"plugin": "arc", "radius": 0.15915494309189535})"}),
+    [](const auto& shape) { return shape.param.name; });
+
+/// The tangent of a sheet at rest and its masses, for steps of 0.01 s: what an implicit step solves
+/// with. The iterations that reduce a random error to 1e-5.
+long iterations_at(int nodes) {
+  Simulation simulation =
+      simulation_from_text(sheet(fmt::format(R"("nodes": [{0}, {0}])", nodes),
+                                 R"("backward_euler")", R"(, "solver": {"plugin": "multigrid"})"));
+  System& system = simulation.system();
+  State state{system.rest(), NodeVectors::Zero(system.nodes(), 3), 0};
+  system.begin_step(state);
+  system.evaluate_with_tangent(state, Tangent::projected);
+  const NodeValues inertia = system.mass() / 1e-4;
+  NodeVectors b = random_vectors(system.nodes(), 3), x, product;
+  system.reduce_force(b);
+  EXPECT_EQ(system.solve_tangent_to(1e-5, inertia, b, x), "");
+  system.tangent().multiply(x, product);
+  product += inertia.asDiagonal() * x;
+  system.reduce_force(product);
+  EXPECT_LT((product - b).norm(), 1e-3 * b.norm());
+  return system.step_report().solver_iterations;
+}
+
+TEST(Multigrid, TakesAsManyIterationsOnFineGrids) {
+  const long coarse = iterations_at(33), fine = iterations_at(129);
+  EXPECT_GT(coarse, 0);
+  EXPECT_LE(fine, coarse + 3);
+  EXPECT_LE(fine, 24);
+}
+
+TEST(Multigrid, IsChosenForLargeSurfaces) {
+  const auto choice_at = [](int nodes) {
+    Simulation simulation = simulation_from_text(
+        sheet(fmt::format(R"("nodes": [{0}, {0}])", nodes), R"("backward_euler")"));
+    simulation.step();
+    return simulation.system().step_report().solver_iterations;
+  };
+  EXPECT_EQ(choice_at(21), 0);
+  EXPECT_GT(choice_at(41), 0);
+}
+
+TEST(Multigrid, NewtonStepsEndAsWithAFactorisation) {
+  const std::string surface = R"("nodes": [34, 41])";
+  const NodeVectors exact = end_of(
+      sheet(surface, R"("bdf2", "tolerance": 1e-9)", R"(, "solver": {"plugin": "cholmod"})"));
+  const NodeVectors iterative = end_of(
+      sheet(surface, R"("bdf2", "tolerance": 1e-9)", R"(, "solver": {"plugin": "multigrid"})"));
+  EXPECT_LT((iterative - exact).cwiseAbs().maxCoeff(), 1e-8);
+}
+
+TEST(Multigrid, LaggedStepsEndAsWithAFactorisation) {
+  const auto end = [&](const std::string& solver) {
+    Simulation simulation =
+        simulation_of("benchmarks/sheet_p.json", "base",
+                      {{"/surface/nodes", "[33, 40]"},
+                       {"/solver", fmt::format(R"({{"plugin": "{}"}})", solver)},
+                       {"/energies/1", R"({"plugin": "bending_variational", "xi": 1e-6})"}});
+    EXPECT_FALSE(test::run_to_end(simulation));
+    return simulation.state().r;
+  };
+  EXPECT_LT((end("multigrid") - end("cholmod")).cwiseAbs().maxCoeff(), 1e-8);
+}
+
+/// What Newton's method may leave is what it leaves, at most.
+TEST(Multigrid, NewtonErrorIsKept) {
+  for (const std::string integrator : {"backward_euler", "bdf2", "implicit_midpoint"}) {
+    const std::string surface = R"("nodes": [41, 41])";
+    const NodeVectors exact =
+        end_of(sheet(surface, fmt::format(R"("{}", "tolerance": 1e-9)", integrator)));
+    for (const double error : {1e-4, 1e-5}) {
+      const NodeVectors quick =
+          end_of(sheet(surface, fmt::format(R"("{}", "newton_error": {})", integrator, error)));
+      const double left = std::sqrt((quick - exact).rowwise().squaredNorm().mean());
+      EXPECT_LT(left, 10 * error) << integrator;  // of ten steps
+      EXPECT_GT(left, 0);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace deform
