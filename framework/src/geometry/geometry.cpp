@@ -5,50 +5,59 @@
 #include "deform/surface/sample_set.h"
 
 #include "geometry/sample_geometry.h"
+#include "parallel/kernel.h"
 #include "parallel/parallel.h"
 
 namespace deform {
 namespace {
 
-/// r_1, r_2, r_11, r_12, r_22: the operators' rows applied to the positions.
-std::array<Vec3, 5> jet_at(const SampleSet& samples, Index s, const NodeVectors& r) {
-  std::array<Vec3, 5> jet;
-  jet.fill(Vec3::Zero());
-  const SampleSet::Stencil at = samples.stencil(s);
-  for (std::size_t k = 0; k < at.nodes.size(); ++k) {
-    const Vec3 position = r.row(at.nodes[k]);
-    for (std::size_t m = 0; m < 5; ++m) jet[m] += at.d[k][m + 1] * position;
-  }
-  return jet;
+/// out[i] += d x[i].
+DEFORM_KERNEL void add(Index size, double d, const double* __restrict x, double* __restrict out) {
+  for (Index i = 0; i < size; ++i) out[i] += d * x[i];
+}
+
+/// r_1, r_2, r_11, r_12, r_22: the operators' rows applied to the positions, for samples of a run.
+void write_jets(const SampleSet& samples, const NodeVectors& r, double* data, Index stride,
+                Index first, Index size) {
+  const SampleSet::Stencil at = samples.stencil(first);
+  for (int m = 1; m < kDerivatives; ++m)
+    for (int c = 0; c < 3; ++c) {
+      double* out = data + (3 * (m - 1) + c) * stride + first;
+      std::fill_n(out, size, 0.0);
+      for (std::size_t k = 0; k < at.nodes.size(); ++k)
+        if (const double d = at.d[k][static_cast<std::size_t>(m)]; d != 0)
+          add(size, d, r.col(c).data() + at.nodes[k], out);
+    }
 }
 
 }  // namespace
 
 Geometry::Geometry(const SampleSet& samples)
     : size_(samples.size()),
-      data_(static_cast<std::size_t>(GeometryBlock::kFields * samples.size())) {}
+      stride_(samples.stride()),
+      data_(static_cast<std::size_t>(GeometryBlock::kFields * stride_)) {}
 
 void Geometry::compute(const SampleSet& samples, const NodeVectors& r) {
   parallel_blocks(size_, kBlock, [&](Index first, Index size) {
     const auto& frames = samples.frames();
+    samples.visit_runs(first, size, [&](Index begin, Index count) {
+      write_jets(samples, r, data_.data(), stride_, begin, count);
+    });
+    write_normals(data_.data(), stride_, first, size);
     auto frame = std::lower_bound(frames.begin(), frames.end(), first,
                                   [](const SampleSet::Frame& f, Index s) { return f.sample < s; });
-    for (Index s = first; s < first + size; ++s) {
-      SampleGeometry g;
-      g.jet = jet_at(samples, s, r);
-      if (frame != frames.end() && frame->sample == s) {
-        Vec3 t_1 = Vec3::Zero(), t_2 = Vec3::Zero();
-        for (const SampleStencil::FrameEntry& entry : frame->entries) {
-          t_1 += entry.d[0] * r.row(entry.node).transpose();
-          t_2 += entry.d[1] * r.row(entry.node).transpose();
-        }
-        g.n = unit_normal(t_1, t_2);
-        ++frame;
-      } else {
-        g.n = unit_normal(g.jet[0], g.jet[1]);
+    for (; frame != frames.end() && frame->sample < first + size; ++frame) {
+      Vec3 t_1 = Vec3::Zero(), t_2 = Vec3::Zero();
+      for (const SampleStencil::FrameEntry& entry : frame->entries) {
+        t_1 += entry.d[0] * r.row(entry.node).transpose();
+        t_2 += entry.d[1] * r.row(entry.node).transpose();
       }
-      write_sample(data_.data(), size_, s, g);
+      const Vec3 n = unit_normal(t_1, t_2);
+      for (int c = 0; c < 3; ++c)
+        data_[static_cast<std::size_t>((GeometryBlock::kNormal + c) * stride_ + frame->sample)] =
+            n[c];
     }
+    write_forms(data_.data(), stride_, first, size);
   });
 }
 

@@ -1,5 +1,4 @@
-/// Geometry of a single sample from its jet; the one place where (3), (6), (8), (13) and (15)
-/// stand.
+/// Geometry of samples from their jets; the one place where (3), (6), (8), (13) and (15) stand.
 #pragma once
 
 #include <array>
@@ -17,7 +16,10 @@ struct SampleGeometry {
 /// r_1×r_2/|r_1×r_2| (6), zero where the tangents are parallel.
 [[nodiscard]] Vec3 unit_normal(const Vec3& r_1, const Vec3& r_2);
 
-/// Writes all fields of sample s into storage of GeometryBlock's layout.
+/// All three are for samples first … first+size−1 of storage of GeometryBlock's layout: n from the
+/// jets that are there; what follows from jets and n; and all fields of one sample.
+void write_normals(double* data, Index stride, Index first, Index size);
+void write_forms(double* data, Index stride, Index first, Index size);
 void write_sample(double* data, Index stride, Index s, const SampleGeometry& g);
 
 }  // namespace deform

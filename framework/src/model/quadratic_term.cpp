@@ -1,82 +1,121 @@
 #include "deform/model/quadratic_term.h"
 
 #include <algorithm>
-#include <tuple>
+#include <cmath>
 
 #include "model/form_derivatives.h"
-#include "model/semidefinite.h"
+#include "parallel/kernel.h"
 
 namespace deform {
 namespace {
 
 using Eigen::Matrix3d;
 
-/// T_a − T⁰_a at a sample, T⁰ being that of the origin.
-Vec3 change(const SampleBlock& block, Form form, Index s) {
-  Vec3 x;
+ConstValues form(const GeometryBlock& geometry, Form which, Pair a) {
+  return which == Form::metric ? geometry.G(a) : geometry.B(a);
+}
+
+/// T_a − T⁰_a, T⁰ being that of the origin.
+void find_change(const SampleBlock& block, Form which, BlockTensor& x) {
   for (const Pair a : kPairs) {
-    const auto i = static_cast<std::size_t>(s);
-    x[slot(a)] = form == Form::metric ? block.now.G(a)[i] - block.origin.G(a)[i]
-                                      : block.now.B(a)[i] - block.origin.B(a)[i];
+    const double *now = form(block.now, which, a).data(),
+                 *origin = form(block.origin, which, a).data();
+    BlockValues& out = x[static_cast<std::size_t>(slot(a))];
+    for (Index s = 0; s < block.size(); ++s) out[static_cast<std::size_t>(s)] = now[s] - origin[s];
   }
-  return x;
-}
-
-Matrix3d matrix_of(const FormStiffness& c, Index s) {
-  Matrix3d m;
-  for (const Pair a : kPairs)
-    for (const Pair b : kPairs) m(slot(a), slot(b)) = c(a, b, s);
-  return m;
-}
-
-/// 2 S_11, S_12, 2 S_22: Σ_a S_a ∂²G_a/∂r_m∂r_n is this times the identity.
-Eigen::Matrix2d metric_stress(const Vec3& S) {
-  Eigen::Matrix2d k;
-  k << 2 * S[0], S[1], S[1], 2 * S[2];
-  return k;
 }
 
 /// G − G⁰ as it was foreseen at the lagged state: δG_ij = r_i·δr_j + r_j·δr_i without δr_i·δr_j.
-Vec3 foreseen_change(const SampleBlock& block, Index s) {
-  const Vec3 d_1 = block.now.r(Derivative::d1)[s] - block.lagged.r(Derivative::d1)[s];
-  const Vec3 d_2 = block.now.r(Derivative::d2)[s] - block.lagged.r(Derivative::d2)[s];
-  return change(block, Form::metric, s) - Vec3(d_1.dot(d_1), d_1.dot(d_2), d_2.dot(d_2));
+void find_foreseen_change(const SampleBlock& block, BlockTensor& x) {
+  find_change(block, Form::metric, x);
+  for (Index s = 0; s < block.size(); ++s) {
+    const Vec3 d_1 = block.now.r(Derivative::d1)[s] - block.lagged.r(Derivative::d1)[s];
+    const Vec3 d_2 = block.now.r(Derivative::d2)[s] - block.lagged.r(Derivative::d2)[s];
+    const auto i = static_cast<std::size_t>(s);
+    x[0][i] -= d_1.dot(d_1), x[1][i] -= d_1.dot(d_2), x[2][i] -= d_2.dot(d_2);
+  }
 }
 
-void add_metric_tangent(const SampleBlock& block, Index s, const Matrix3d& C, Tangent kind,
+/// Σ_a S_a ∂²G_a/∂r_m∂r_n is K_mn times the identity: 2 S_11, S_12, 2 S_22, in place.
+DEFORM_KERNEL void stress_to_stiffness(Index size, double* __restrict K_11,
+                                       double* __restrict K_22) {
+  for (Index s = 0; s < size; ++s) K_11[s] *= 2, K_22[s] *= 2;
+}
+
+/// The positive semidefinite part of K, a (symmetric) 2 × 2 matrix at each sample, in place: with
+/// eigenvalues t ± R it is K, 0, or (t + R)(K − (t − R) I)/(2R).
+DEFORM_KERNEL void make_semidefinite(Index size, double* __restrict K_11, double* __restrict K_12,
+                                     double* __restrict K_22) {
+  for (Index s = 0; s < size; ++s) {
+    const double t = 0.5 * (K_11[s] + K_22[s]), d = 0.5 * (K_11[s] - K_22[s]);
+    const double R = std::sqrt(d * d + K_12[s] * K_12[s]);
+    const double high = t + R, low = t - R;
+    const double some = high / (R > 0 ? 2 * R : 1.0);
+    const double of_K = low >= 0 ? 1.0 : high > 0 ? some : 0.0;
+    const double of_I = low >= 0 ? 0.0 : -of_K * low;
+    K_11[s] = of_K * K_11[s] + of_I;
+    K_12[s] *= of_K;
+    K_22[s] = of_K * K_22[s] + of_I;
+  }
+}
+
+/// ∂G_a/∂r_m has two columns that are not 0: (2 r_1, r_2, ·) for m = 1, (·, r_1, 2 r_2) for m = 2.
+struct Columns {
+  std::size_t first;      ///< a of the one along r_1; that along r_2 is the next
+  double of_r_1, of_r_2;  ///< factors
+};
+constexpr std::array<Columns, 2> kColumns{{{0, 2, 1}, {1, 1, 2}}};
+
+/// out += Σ_ab (∂G_a/∂r_m)_i C_ab (∂G_b/∂r_n)_j, and K where it is given; x, y: components i and j
+/// of r_1 and r_2.
+DEFORM_KERNEL void add_metric_entry(Index size, const std::array<const double*, 2>& x,
+                                    const std::array<const double*, 2>& y,
+                                    const std::array<const double*, 4>& C, const Columns& m,
+                                    const Columns& n, double* __restrict out) {
+  const double *x_1 = x[0], *x_2 = x[1], *y_1 = y[0], *y_2 = y[1];
+  const double *C_11 = C[0], *C_12 = C[1], *C_21 = C[2], *C_22 = C[3];
+  const double m_1 = m.of_r_1, m_2 = m.of_r_2, n_1 = n.of_r_1, n_2 = n.of_r_2;
+  for (Index s = 0; s < size; ++s) {
+    const double along_1 = m_1 * x_1[s], along_2 = m_2 * x_2[s];
+    out[s] += (along_1 * C_11[s] + along_2 * C_21[s]) * (n_1 * y_1[s]) +
+              (along_1 * C_12[s] + along_2 * C_22[s]) * (n_2 * y_2[s]);
+  }
+}
+DEFORM_KERNEL void add_values(Index size, const double* __restrict x, double* __restrict out) {
+  for (Index s = 0; s < size; ++s) out[s] += x[s];
+}
+
+void add_metric_tangent(const SampleBlock& block, const FormStiffness& C, Tangent kind,
                         const JetTangent& h) {
-  const std::array<Vec3, 2> r{block.now.r(Derivative::d1)[s], block.now.r(Derivative::d2)[s]};
-  // ∂G_a/∂r_m: (2 r_1, 0), (r_2, r_1), (0, 2 r_2).
-  std::array<Eigen::Matrix3d, 2> g;  // columns a
-  g[0] << 2 * r[0], r[1], Vec3::Zero();
-  g[1] << Vec3::Zero(), r[0], 2 * r[1];
-  Eigen::Matrix2d k = Eigen::Matrix2d::Zero();
-  if (kind != Tangent::gauss_newton)
-    k = metric_stress(C * (kind == Tangent::foreseen ? foreseen_change(block, s)
-                                                     : change(block, Form::metric, s)));
-  if (kind == Tangent::projected) k = positive_part(k);
-  for (const int m : {1, 2})
-    for (int n = m; n <= 2; ++n) {
-      Matrix3d block_mn =
-          g[static_cast<std::size_t>(m - 1)] * C * g[static_cast<std::size_t>(n - 1)].transpose();
-      block_mn.diagonal().array() += k(m - 1, n - 1);
-      h.add(s, first(m), first(n), block_mn);
+  const Index size = block.size();
+  BlockTensor x, K;
+  if (kind != Tangent::gauss_newton) {
+    if (kind == Tangent::foreseen)
+      find_foreseen_change(block, x);
+    else
+      find_change(block, Form::metric, x);
+    multiply(C, x, size, K);
+    stress_to_stiffness(size, K[0].data(), K[2].data());
+    if (kind == Tangent::projected) make_semidefinite(size, K[0].data(), K[1].data(), K[2].data());
+  }
+  const ConstVectors r_1 = block.now.r(Derivative::d1), r_2 = block.now.r(Derivative::d2);
+  const std::array<std::array<const double*, 2>, 3> r{
+      {{r_1.x, r_2.x}, {r_1.y, r_2.y}, {r_1.z, r_2.z}}};
+  for (const std::size_t m : {std::size_t{0}, std::size_t{1}})
+    for (std::size_t n = m; n < 2; ++n) {
+      std::array<const double*, 4> c{};
+      for (std::size_t a = 0; a < 2; ++a)
+        for (std::size_t b = 0; b < 2; ++b)
+          c[2 * a + b] = C.values(kPairs[kColumns[m].first + a], kPairs[kColumns[n].first + b]);
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+          double* const out =
+              h.entry(static_cast<Derivative>(m + 1), static_cast<Derivative>(n + 1),
+                      static_cast<int>(i), static_cast<int>(j));
+          add_metric_entry(size, r[i], r[j], c, kColumns[m], kColumns[n], out);
+          if (i == j && kind != Tangent::gauss_newton) add_values(size, K[m + n].data(), out);
+        }
     }
-}
-
-void add_curvature_tangent(const SampleBlock& block, Index s, const Matrix3d& C, Tangent kind,
-                           const JetTangent& h) {
-  const CurvatureRows L(block.now, s);
-  const Eigen::Matrix<double, kJet, kJet> rows = L.rows.transpose() * C * L.rows;
-  const Vec3 n = block.now.n()[s];
-  const Matrix3d nn = n * n.transpose();
-  const auto derivative = [](int m) { return static_cast<Derivative>(m + 1); };
-  for (int m = 0; m < kJet; ++m)
-    for (int k = m; k < kJet; ++k) h.add(s, derivative(m), derivative(k), rows(m, k) * nn);
-  // What else is in the Hessian is small beside the above where the surface is not crumpled, and
-  // has as many negative as positive eigenvalues: the projected tangent leaves it out.
-  if (is_semidefinite(kind)) return;
-  add_curvature_hessian(block.now, s, L, C * change(block, Form::curvature, s), h);
 }
 
 }  // namespace
@@ -98,10 +137,12 @@ std::vector<Derivative> QuadraticTerm::dependence() const {
 void QuadraticTerm::energy_density(const SampleBlock& block, Values density) const {
   FormStiffness c;
   stiffness(block.rest, c);
-  for (Index s = 0; s < block.size(); ++s) {
-    const Vec3 x = change(block, form_, s);
-    density[static_cast<std::size_t>(s)] += 0.5 * x.dot(matrix_of(c, s) * x);
-  }
+  BlockTensor x, stress;
+  find_change(block, form_, x);
+  multiply(c, x, block.size(), stress);
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t s = 0; s < static_cast<std::size_t>(block.size()); ++s)
+      density[s] += 0.5 * x[a][s] * stress[a][s];
 }
 
 std::vector<Coupling> QuadraticTerm::couplings() const {
@@ -116,54 +157,60 @@ std::vector<Coupling> QuadraticTerm::couplings() const {
 }
 
 void QuadraticTerm::affine_stress(const SampleBlock& block, const AffineStress& sigma) const {
-  FormStiffness stiffnesses;
-  stiffness(block.rest, stiffnesses);
+  FormStiffness C;
+  stiffness(block.rest, C);
   SampleBlock lagged = block;
   lagged.now = block.lagged;
-  if (form_ == Form::metric) {
-    std::array<std::array<Values, 2>, 2> k;
-    for (const int i : {1, 2})
-      for (const int j : {1, 2})
-        k[static_cast<std::size_t>(i - 1)][static_cast<std::size_t>(j - 1)] =
-            sigma.k(first(i), first(j));
-    for (Index s = 0; s < block.size(); ++s) {
-      const Eigen::Matrix2d S =
-          metric_stress(matrix_of(stiffnesses, s) * change(lagged, Form::metric, s));
-      for (std::size_t i = 0; i < 2; ++i)
-        for (std::size_t j = 0; j < 2; ++j)
-          k[i][j][static_cast<std::size_t>(s)] += S(static_cast<Index>(i), static_cast<Index>(j));
-    }
-    return;
+  if (form_ == Form::metric)
+    add_metric_stress(lagged, C, sigma);
+  else
+    add_curvature_stress(lagged, C, sigma);
+}
+
+void QuadraticTerm::add_metric_stress(const SampleBlock& block, const FormStiffness& C,
+                                      const AffineStress& sigma) const {
+  BlockTensor x, K;
+  find_change(block, Form::metric, x);
+  multiply(C, x, block.size(), K);
+  stress_to_stiffness(block.size(), K[0].data(), K[2].data());
+  for (const int i : {1, 2})
+    for (const int j : {1, 2})
+      add_values(block.size(), K[static_cast<std::size_t>(i + j - 2)].data(),
+                 sigma.k(first(i), first(j)).data());
+}
+
+void QuadraticTerm::add_curvature_stress(const SampleBlock& block, const FormStiffness& C,
+                                         const AffineStress& sigma) const {
+  const Index size = block.size();
+  const CurvatureRows L(block.now);
+  BlockValues values;
+  for (const auto& [m, n] : couplings()) {
+    L.quadratic(C, std::min(slot(m), slot(n)) - 1, std::max(slot(m), slot(n)) - 1, values);
+    add_values(size, values.data(), sigma.k(m, n).data());
   }
-  std::vector<std::tuple<int, int, Values>> k;
-  for (const auto& [m, n] : couplings())
-    k.emplace_back(slot(m) - 1, slot(n) - 1, sigma.k(static_cast<Derivative>(slot(m)), n));
-  std::array<Vectors, kJet> c;
-  for (int m = 0; m < kJet; ++m)
-    c[static_cast<std::size_t>(m)] = sigma.c(static_cast<Derivative>(m + 1));
-  for (Index s = 0; s < block.size(); ++s) {
-    const Matrix3d C = matrix_of(stiffnesses, s);
-    const CurvatureRows L(block.lagged, s);
-    const Eigen::Matrix<double, kJet, kJet> rows = L.rows.transpose() * C * L.rows;
-    for (const auto& [m, n, values] : k) values[static_cast<std::size_t>(s)] += rows(m, n);
-    Vec3 B0;
-    for (const Pair a : kPairs) B0[slot(a)] = block.origin.B(a)[static_cast<std::size_t>(s)];
-    const Eigen::Matrix<double, kJet, 1> rest = L.rows.transpose() * (C * B0);
-    const Vec3 n = block.lagged.n()[s];
-    for (int m = 0; m < kJet; ++m) c[static_cast<std::size_t>(m)].add(s, -rest[m] * n);
+  BlockTensor B, CB;
+  for (const Pair a : kPairs)
+    std::copy_n(block.origin.B(a).data(), size, B[static_cast<std::size_t>(slot(a))].begin());
+  multiply(C, B, size, CB);
+  const ConstVectors n = block.now.n();
+  for (int m = 0; m < kJet; ++m) {
+    L.combined(CB, m, values);
+    const Vectors c = sigma.c(static_cast<Derivative>(m + 1));
+    for (Index s = 0; s < size; ++s) c.add(s, -values[static_cast<std::size_t>(s)] * n[s]);
   }
 }
 
 void QuadraticTerm::tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const {
   FormStiffness c;
   stiffness(block.rest, c);
-  for (Index s = 0; s < block.size(); ++s) {
-    if (form_ == Form::metric) {
-      add_metric_tangent(block, s, matrix_of(c, s), kind, h);
-    } else {
-      add_curvature_tangent(block, s, matrix_of(c, s), kind, h);
-    }
-  }
+  if (form_ == Form::metric) return add_metric_tangent(block, c, kind, h);
+  // What else is in the Hessian is small beside C δB δB where the surface is not crumpled, and has
+  // as many negative as positive eigenvalues: the projected tangent leaves it out.
+  if (is_semidefinite(kind)) return add_curvature_tangent(block.now, c, nullptr, h);
+  BlockTensor x, M;
+  find_change(block, Form::curvature, x);
+  multiply(c, x, block.size(), M);
+  add_curvature_tangent(block.now, c, &M, h);
 }
 
 Eigen::Matrix3d weighted_norm_stiffness(double factor, const PairWeights& weights) {

@@ -1,5 +1,6 @@
 #include "solve/gather_table.h"
 
+#include <algorithm>
 #include <map>
 
 namespace deform {
@@ -50,6 +51,23 @@ GatherTable::GatherTable(const SampleSet& samples) {
     const auto [place, is_new] = shared.try_emplace(std::move(coefficients), pool_.size());
     if (is_new) pool_.insert(pool_.end(), place->first.begin(), place->first.end());
     pool_begin_.push_back(place->second);
+  }
+  find_runs();
+}
+
+bool GatherTable::goes_on(Index a) const {
+  const auto i = static_cast<std::size_t>(a);
+  return pool_begin_[i] == pool_begin_[i + 1] &&
+         std::ranges::equal(row(a).samples, row(a + 1).samples, {},
+                            [](std::int32_t s) { return s + 1; });
+}
+
+void GatherTable::find_runs() {
+  run_end_.resize(static_cast<std::size_t>(nodes()));
+  for (Index a = nodes() - 1; a >= 0; --a) {
+    const auto i = static_cast<std::size_t>(a);
+    run_end_[i] =
+        a + 1 == nodes() || !goes_on(a) ? static_cast<std::int32_t>(a + 1) : run_end_[i + 1];
   }
 }
 

@@ -33,6 +33,9 @@ class GatherTable {
                end = static_cast<std::size_t>(begin_[i + 1]);
     return {{samples_.data() + begin, end - begin}, pool_.data() + pool_begin_[i]};
   }
+  /// The end of the run of rows that a row is in: rows with the same coefficients, whose samples
+  /// are counted on by one from each to the next.
+  [[nodiscard]] Index run_end(Index a) const { return run_end_[static_cast<std::size_t>(a)]; }
   /// Number of the row's first (node, sample) pair among all.
   [[nodiscard]] std::size_t first_pair(Index a) const {
     return static_cast<std::size_t>(begin_[static_cast<std::size_t>(a)]);
@@ -40,10 +43,14 @@ class GatherTable {
   [[nodiscard]] std::size_t pairs() const { return samples_.size(); }
 
  private:
+  [[nodiscard]] bool goes_on(Index a) const;
+  void find_runs();
+
   std::vector<Index> begin_{0};
   std::vector<std::int32_t> samples_;
   std::vector<std::size_t> pool_begin_;  // rows with the same coefficients share them
   std::vector<Coefficients> pool_;
+  std::vector<std::int32_t> run_end_;
 };
 
 }  // namespace deform

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "model/numerical_stress.h"
+#include "parallel/kernel.h"
 #include "parallel/parallel.h"
 #include "plugin/guard.h"
 
@@ -13,6 +14,28 @@ namespace {
 constexpr Index kRows = 64;
 /// Sample fields that one term may have differenced.
 constexpr int kMostFields = 8;
+
+/// s += k r of vectors, k one a sample.
+DEFORM_KERNEL void add_products(Index size, const double* __restrict k,
+                                const double* __restrict r_x, const double* __restrict r_y,
+                                const double* __restrict r_z, double* __restrict x,
+                                double* __restrict y, double* __restrict z) {
+  for (Index i = 0; i < size; ++i) {
+    x[i] += k[i] * r_x[i];
+    y[i] += k[i] * r_y[i];
+    z[i] += k[i] * r_z[i];
+  }
+}
+/// The same, k one for all.
+DEFORM_KERNEL void add_multiples(Index size, double k, const double* __restrict r_x,
+                                 const double* __restrict r_y, const double* __restrict r_z,
+                                 double* __restrict x, double* __restrict y, double* __restrict z) {
+  for (Index i = 0; i < size; ++i) {
+    x[i] += k * r_x[i];
+    y[i] += k * r_y[i];
+    z[i] += k * r_z[i];
+  }
+}
 
 /// Only what the framework has storage for may be named.
 std::vector<Coupling> couplings_of(const JetAssembler::Term& t) {
@@ -61,12 +84,10 @@ JetAssembler::JetAssembler(const SampleSet& samples, std::vector<Term> terms)
       if (at == couplings_.end()) couplings_.push_back(coupling);
       if (std::ranges::find(numbers, number) == numbers.end()) numbers.push_back(number);
     }
-    // A stress may use every transposed derivative; the strong form's channels only if it says so.
-    for (int m = 0; m < kChannels; ++m)
-      if (may_use(t, m)) active_[static_cast<std::size_t>(m)] = true;
+    mark_active(t);
     fields += fields_of_.emplace_back(fields_of(t));
   }
-  const auto m = static_cast<std::size_t>(samples.size());
+  const auto m = static_cast<std::size_t>(samples.stride());
   k_.resize(couplings_.size() * m);
   sigma_.resize(3 * kChannels * m);
   auxiliary_.resize(fields * m);
@@ -74,8 +95,22 @@ JetAssembler::JetAssembler(const SampleSet& samples, std::vector<Term> terms)
   for (const std::size_t own : fields_of_) {
     auto& views = auxiliary_of_.emplace_back();
     for (std::size_t f = 0; f < own; ++f, ++field)
-      views.emplace_back(auxiliary_.data() + field * m, m);
+      views.emplace_back(auxiliary_.data() + field * m, static_cast<std::size_t>(samples.size()));
   }
+}
+
+/// A stress may use every transposed derivative, but where it is the derivative of an energy: then
+/// those that this depends on; the strong form's channels only if the term says so.
+void JetAssembler::mark_active(const Term& t) {
+  if (!t.traits.potential) {
+    for (int m = 0; m < kChannels; ++m)
+      if (may_use(t, m)) active_[static_cast<std::size_t>(m)] = true;
+    return;
+  }
+  for (const auto& [m, n] : couplings_) active_[static_cast<std::size_t>(slot(m))] = true;
+  for (const Derivative d :
+       guarded(t.origin, "saying what it depends on", [&] { return t.term->dependence(); }))
+    if (slot(d) >= 0 && slot(d) < kDerivatives) active_[static_cast<std::size_t>(slot(d))] = true;
 }
 
 const JetAssembler::Term* JetAssembler::find(std::size_t number) const {
@@ -96,7 +131,7 @@ void JetAssembler::evaluate(const Geometries& geometries, Part part, const Term*
   std::size_t offset = 0;
   for (std::size_t t = 0; t < terms_.size(); ++t) {
     if (only == nullptr || only == &terms_[t]) evaluate_auxiliary(geometries, t, offset);
-    offset += fields_of_[t] * static_cast<std::size_t>(samples_->size());
+    offset += fields_of_[t] * static_cast<std::size_t>(samples_->stride());
   }
   parallel_blocks(samples_->size(), kBlock, [&](Index first, Index size) {
     evaluate_block(geometries, part, only, first, size);
@@ -110,7 +145,7 @@ void JetAssembler::evaluate_auxiliary(const Geometries& g, std::size_t number, s
   parallel_blocks(samples_->size(), kBlock, [&](Index first, Index size) {
     std::array<Values, kMostFields> out;
     for (std::size_t f = 0; f < fields; ++f)
-      out[f] = {auxiliary_.data() + offset + f * static_cast<std::size_t>(samples_->size()) +
+      out[f] = {auxiliary_.data() + offset + f * static_cast<std::size_t>(samples_->stride()) +
                     static_cast<std::size_t>(first),
                 static_cast<std::size_t>(size)};
     guarded(term.origin, "computing auxiliary fields", [&] {
@@ -123,6 +158,7 @@ void JetAssembler::evaluate_block(const Geometries& g, Part part, const Term* on
                                   Index size) {
   for (std::size_t c = 0; c < couplings_.size(); ++c) std::fill_n(coupling(c) + first, size, 0.0);
   for (int m = 0; m < kChannels; ++m) {
+    if (!active_[static_cast<std::size_t>(m)]) continue;
     const Vectors s = sigma(m).from(first);
     for (double* component : {s.x, s.y, s.z}) std::fill_n(component, size, 0.0);
   }
@@ -159,30 +195,35 @@ void JetAssembler::add_affine_part(const SampleBlock& block, Part part) {
     const double* k = coupling(c) + block.first();
     const ConstVectors r = block.now.r(n);
     const Vectors s = sigma(slot(m)).from(block.first());
-    for (Index i = 0; i < block.size(); ++i) {
-      s.x[i] += k[i] * r.x[i];
-      s.y[i] += k[i] * r.y[i];
-      s.z[i] += k[i] * r.z[i];
-    }
+    add_products(block.size(), k, r.x, r.y, r.z, s.x, s.y, s.z);
   }
 }
 
 void JetAssembler::add_force(NodeVectors& f) const {
-  const Index m_samples = samples_->size();
   parallel_blocks(gather_.nodes(), kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a) {
-      const GatherTable::Row row = gather_.row(a);
-      Vec3 sum = Vec3::Zero();
-      for (std::size_t e = 0; e < row.samples.size(); ++e)
-        for (int m = 0; m < kChannels; ++m) {
-          if (!active_[static_cast<std::size_t>(m)]) continue;
-          const double* x = sigma_.data() + 3 * m * m_samples + row.samples[e];
-          const double l = row.l[e][static_cast<std::size_t>(m)];
-          sum += l * Vec3(x[0], x[m_samples], x[2 * m_samples]);
-        }
-      f.row(a) -= sum;
+    for (Index a = first; a < first + size;) {
+      const Index end = std::min(gather_.run_end(a), first + size);
+      add_force_of_run(a, end - a, f);
+      a = end;
     }
   });
+}
+
+void JetAssembler::add_force_of_run(Index a, Index size, NodeVectors& f) const {
+  const Index m_samples = samples_->stride();
+  std::array<std::array<double, kRows>, 3> sum{};
+  const GatherTable::Row row = gather_.row(a);
+  for (std::size_t e = 0; e < row.samples.size(); ++e)
+    for (int m = 0; m < kChannels; ++m) {
+      const double l = row.l[e][static_cast<std::size_t>(m)];
+      if (!active_[static_cast<std::size_t>(m)] || l == 0) continue;
+      const double* x = sigma_.data() + 3 * m * m_samples + row.samples[e];
+      add_multiples(size, l, x, x + m_samples, x + 2 * m_samples, sum[0].data(), sum[1].data(),
+                    sum[2].data());
+    }
+  for (int c = 0; c < 3; ++c)
+    f.col(c).segment(a, size) -=
+        Eigen::Map<const Eigen::VectorXd>(sum[static_cast<std::size_t>(c)].data(), size);
 }
 
 void JetAssembler::bind(const SparseMatrix& pattern) {

@@ -71,16 +71,18 @@ class JetAssembler {
  private:
   void evaluate_auxiliary(const Geometries& g, std::size_t number, std::size_t offset);
   void evaluate_block(const Geometries& g, Part part, const Term* only, Index first, Index size);
+  void mark_active(const Term& t);
   void add_affine_part(const SampleBlock& block, Part part);
+  void add_force_of_run(Index a, Index size, NodeVectors& f) const;
   [[nodiscard]] double* coupling(std::size_t c) {
-    return k_.data() + static_cast<Index>(c) * samples_->size();
+    return k_.data() + static_cast<Index>(c) * samples_->stride();
   }
   [[nodiscard]] const double* coupling(std::size_t c) const {
-    return k_.data() + static_cast<Index>(c) * samples_->size();
+    return k_.data() + static_cast<Index>(c) * samples_->stride();
   }
   [[nodiscard]] Vectors sigma(int m) {
-    double* x = sigma_.data() + 3 * m * samples_->size();
-    return {x, x + samples_->size(), x + 2 * samples_->size()};
+    double* x = sigma_.data() + 3 * m * samples_->stride();
+    return {x, x + samples_->stride(), x + 2 * samples_->stride()};
   }
 
   const SampleSet* samples_;

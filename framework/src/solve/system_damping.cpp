@@ -26,15 +26,14 @@ void System::Impl::update_damping(const NodeVectors& r) {
   const Stopwatch watch(times.assembly);
   if (tangent.nodes == 0) make_tangent_pattern();
   if (damping.nodes == 0) damping = tangent;
-  std::ranges::fill(damping.value, 0.0);
   const std::vector<double> factors = damping_factors(false);
   for (std::size_t i = 0; i < sets.size(); ++i) {
     SetPart& set = sets[i];
     if (set.damped.size() == 0) set.damped = Geometry(set.assembler.samples());
     set.damped.compute(set.assembler.samples(), r);
     tangents[i].evaluate({set.damped, set.damped, set.rest}, Tangent::gauss_newton, factors);
-    tangents[i].add(damping);
   }
+  gather_tangents(tangents, damping);
   for (TupleAssembler& t : tuples)
     t.add_tangent(r, Tangent::gauss_newton, damping, factors[t.number()]);
   damped_at = r;
@@ -55,11 +54,10 @@ void System::Impl::add_strain_damping(NodeVectors& f) {
 
 void System::Impl::add_strain_damping_tangent(Tangent kind, BlockMatrix& sum) {
   const std::vector<double> factors = damping_factors(true);
-  for (std::size_t i = 0; i < sets.size(); ++i) {
+  for (std::size_t i = 0; i < sets.size(); ++i)
     tangents[i].evaluate(since_begun(sets[i]), kind == Tangent::foreseen ? Tangent::exact : kind,
                          factors);
-    tangents[i].add(sum);
-  }
+  gather_tangents(tangents, sum, true);
 }
 
 void System::Impl::add_material_damping(const State& state, NodeVectors& f) {

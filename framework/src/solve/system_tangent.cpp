@@ -50,7 +50,6 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
   const Stopwatch watch(impl_->times.assembly);
   if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
   BlockMatrix& k = impl_->tangent;
-  std::ranges::fill(k.value, 0.0);
   for (std::size_t i = 0; i < impl_->sets.size(); ++i) {
     SetPart& set = impl_->sets[i];
     Geometries geometries = impl_->geometries(set);
@@ -61,8 +60,8 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
     } else {
       impl_->tangents[i].evaluate(geometries, kind);
     }
-    impl_->tangents[i].add(k);
   }
+  gather_tangents(impl_->tangents, k);
   for (TupleAssembler& t : impl_->tuples) t.add_tangent(state.r, kind, k);
   impl_->force_stiffness.setZero();
   impl_->force_damping.setZero();

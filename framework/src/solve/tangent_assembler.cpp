@@ -2,17 +2,60 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
+#include "parallel/kernel.h"
 #include "parallel/parallel.h"
 #include "plugin/guard.h"
 
 namespace deform {
 namespace {
 
-/// Rows that one task gathers.
-constexpr Index kRows = 32;
+/// Rows that one task gathers, a multiple of TangentAssembler::kLanes.
+constexpr Index kRows = 64;
+/// A few rows are gathered one by one; so many, as one group with lanes that are not used.
+constexpr Index kFewest = 4;
 
-using Matrix = Eigen::Matrix3d;
+using Plan = TangentAssembler::Plan;
+
+/// Adds what one sample gives to W rows.
+template <int W>
+[[gnu::always_inline]] inline void add_sample(const Plan& plan, const Plan::Sample& at,
+                                              const double* __restrict h, Index stride,
+                                              double* __restrict rows) {
+  double left[kDerivatives][W];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      // Row a of Σ_m D_mᵀ A h_mn for each derivative n …
+      for (auto& of_n : left)
+        for (int k = 0; k < W; ++k) of_n[k] = 0;
+      for (std::uint32_t q = at.left; q < at.left_end; ++q) {
+        const Plan::Left& part = plan.left[q];
+        const int entry = part.is_transposed ? 3 * j + i : 3 * i + j;
+        const double* block = h + (9 * part.block + entry) * stride;
+        for (int k = 0; k < W; ++k) left[part.n][k] += part.l * block[k];
+      }
+      // … times the rows of D_n at the sample.
+      for (std::uint32_t q = at.right; q < at.right_end; ++q) {
+        const Plan::Right& part = plan.right[q];
+        double* to = rows + (9 * part.slot + 3 * i + j) * W;
+        for (int k = 0; k < W; ++k) to[k] += part.d * left[part.n][k];
+      }
+    }
+}
+
+DEFORM_KERNEL void add_samples(const Plan& plan, const double* h, Index stride, double* rows) {
+  for (const Plan::Sample& at : plan.samples)
+    add_sample<TangentAssembler::kLanes>(plan, at, h + at.sample, stride, rows);
+}
+DEFORM_KERNEL void add_samples_of_one_row(const Plan& plan, const double* h, Index stride,
+                                          double* rows) {
+  for (const Plan::Sample& at : plan.samples) add_sample<1>(plan, at, h + at.sample, stride, rows);
+}
+
+std::int32_t row_size(const BlockMatrix& k, Index a) {
+  return k.row_begin[static_cast<std::size_t>(a) + 1] - k.row_begin[static_cast<std::size_t>(a)];
+}
 
 }  // namespace
 
@@ -46,11 +89,13 @@ bool TangentAssembler::depends(const GatherTable::Coefficients& l) const {
 }
 
 void TangentAssembler::bind(const BlockMatrix& pattern) {
-  h_.resize(static_cast<std::size_t>(terms_->samples().size()) * blocks_.size() * 9);
+  const GatherTable& gather = terms_->gather();
+  h_.resize(static_cast<std::size_t>(terms_->samples().stride()) * blocks_.size() * 9 + kLanes);
   slot_begin_.clear();
   slot_.clear();
+  run_end_.assign(static_cast<std::size_t>(gather.nodes()),
+                  static_cast<std::int32_t>(gather.nodes()));
   if (blocks_.empty()) return;
-  const GatherTable& gather = terms_->gather();
   for (Index a = 0; a < gather.nodes(); ++a) {
     const auto begin = pattern.column.begin() + pattern.row_begin[static_cast<std::size_t>(a)];
     const auto end = pattern.column.begin() + pattern.row_begin[static_cast<std::size_t>(a) + 1];
@@ -63,15 +108,38 @@ void TangentAssembler::bind(const BlockMatrix& pattern) {
       }
     }
   }
+  for (Index a = gather.nodes() - 1; a >= 0; --a) {
+    const bool is_last =
+        a + 1 == gather.nodes() || row_size(pattern, a) != row_size(pattern, a + 1) || !goes_on(a);
+    run_end_[static_cast<std::size_t>(a)] =
+        is_last ? static_cast<std::int32_t>(a + 1) : run_end_[static_cast<std::size_t>(a) + 1];
+  }
+}
+
+bool TangentAssembler::goes_on(Index a) const {
+  const GatherTable& gather = terms_->gather();
+  if (gather.run_end(a) == a + 1) return false;
+  const std::span<const std::int32_t> samples = gather.row(a).samples;
+  for (std::size_t e = 0; e < samples.size(); ++e) {
+    if (terms_->samples().run_end(samples[e]) == samples[e] + 1) return false;
+    const auto width =
+        static_cast<std::ptrdiff_t>(terms_->samples().stencil(samples[e]).nodes.size());
+    const auto slots =
+        slot_.begin() + static_cast<std::ptrdiff_t>(slot_begin_[gather.first_pair(a) + e]);
+    const auto next =
+        slot_.begin() + static_cast<std::ptrdiff_t>(slot_begin_[gather.first_pair(a + 1) + e]);
+    if (!std::equal(slots, slots + width, next)) return false;
+  }
+  return true;
 }
 
 void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
                                 const std::vector<double>& factors) {
   if (blocks_.empty()) return;
-  const auto stride = static_cast<Index>(blocks_.size()) * 9;
+  const Index stride = terms_->samples().stride(), numbers = static_cast<Index>(blocks_.size()) * 9;
   parallel_blocks(terms_->samples().size(), kBlock, [&](Index first, Index size) {
-    std::fill_n(h_.data() + first * stride, size * stride, 0.0);
-    const JetTangent tangent(h_.data() + first * stride, stride, places_, size);
+    for (Index q = 0; q < numbers; ++q) std::fill_n(h_.data() + q * stride + first, size, 0.0);
+    const JetTangent tangent(h_.data() + first, stride, places_, size);
     const SampleBlock block = terms_->sample_block(geometries, first, size);
     std::vector<double> one;  // of a term that is multiplied
     for (const JetAssembler::Term& t : terms_->terms()) {
@@ -81,48 +149,95 @@ void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
         guarded(t.origin, "computing its tangent", [&] { t.term->tangent(block, kind, tangent); });
         continue;
       }
-      one.assign(static_cast<std::size_t>(size * stride), 0.0);
-      const JetTangent alone(one.data(), stride, places_, size);
+      one.assign(static_cast<std::size_t>(size * numbers), 0.0);
+      const JetTangent alone(one.data(), size, places_, size);
       guarded(t.origin, "computing its tangent", [&] { t.term->tangent(block, kind, alone); });
-      for (std::size_t i = 0; i < one.size(); ++i)
-        h_[static_cast<std::size_t>(first * stride) + i] += factor * one[i];
+      for (Index q = 0; q < numbers; ++q)
+        for (Index s = 0; s < size; ++s)
+          h_[static_cast<std::size_t>(q * stride + first + s)] +=
+              factor * one[static_cast<std::size_t>(q * size + s)];
     }
   });
 }
 
-void TangentAssembler::add(BlockMatrix& k) const {
+void TangentAssembler::make_plan(Index a, Plan& plan) const {
+  plan.row = a;
+  plan.left.clear(), plan.right.clear(), plan.samples.clear();
   if (blocks_.empty()) return;
   const GatherTable& gather = terms_->gather();
-  const std::size_t stride = blocks_.size() * 9;
-  parallel_blocks(gather.nodes(), kRows, [&](Index first, Index size) {
-    std::array<Matrix, kDerivatives> left;
-    for (Index a = first; a < first + size; ++a) {
-      const GatherTable::Row row = gather.row(a);
-      double* values = k.value.data() + 9 * Index{k.row_begin[static_cast<std::size_t>(a)]};
-      for (std::size_t e = 0; e < row.samples.size(); ++e) {
-        const GatherTable::Coefficients& l = row.l[e];
-        // Row a of Σ_m D_mᵀ A h_mn for each derivative n …
-        for (const int n : derivatives_) left[static_cast<std::size_t>(n)].setZero();
-        const double* h = h_.data() + static_cast<std::size_t>(row.samples[e]) * stride;
-        for (const auto& [m, n] : blocks_) {
-          const Eigen::Map<const Matrix> block(h);
-          const double l_m = l[static_cast<std::size_t>(m)], l_n = l[static_cast<std::size_t>(n)];
-          if (l_m != 0) left[static_cast<std::size_t>(n)] += l_m * block;
-          if (l_n != 0 && m != n) left[static_cast<std::size_t>(m)] += l_n * block.transpose();
-          h += 9;
-        }
-        // … times the rows of D_n at the sample.
-        const SampleSet::Stencil at = terms_->samples().stencil(row.samples[e]);
-        const std::uint16_t* slots = slot_.data() + slot_begin_[gather.first_pair(a) + e];
-        for (std::size_t b = 0; b < at.nodes.size(); ++b) {
-          if (slots[b] == kNoSlot) continue;
-          Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(values + 9 * slots[b]);
-          for (const int n : derivatives_) {
-            const double d = at.d[b][static_cast<std::size_t>(n)];
-            if (d != 0) block += d * left[static_cast<std::size_t>(n)];
-          }
-        }
+  const GatherTable::Row row = gather.row(a);
+  for (std::size_t e = 0; e < row.samples.size(); ++e) {
+    const GatherTable::Coefficients& l = row.l[e];
+    Plan::Sample at{row.samples[e], static_cast<std::uint32_t>(plan.left.size()), 0,
+                    static_cast<std::uint32_t>(plan.right.size()), 0};
+    for (std::size_t q = 0; q < blocks_.size(); ++q) {
+      const auto& [m, n] = blocks_[q];
+      const double l_m = l[static_cast<std::size_t>(m)], l_n = l[static_cast<std::size_t>(n)];
+      const auto number = static_cast<std::int16_t>(q);
+      if (l_m != 0) plan.left.push_back({static_cast<std::int16_t>(n), number, false, l_m});
+      if (l_n != 0 && m != n)
+        plan.left.push_back({static_cast<std::int16_t>(m), number, true, l_n});
+    }
+    const SampleSet::Stencil stencil = terms_->samples().stencil(row.samples[e]);
+    const std::uint16_t* slots = slot_.data() + slot_begin_[gather.first_pair(a) + e];
+    for (std::size_t b = 0; b < stencil.nodes.size(); ++b) {
+      if (slots[b] == kNoSlot) continue;
+      for (const int n : derivatives_)
+        if (const double d = stencil.d[b][static_cast<std::size_t>(n)]; d != 0)
+          plan.right.push_back(
+              {static_cast<std::int16_t>(n), static_cast<std::int16_t>(slots[b]), d});
+    }
+    at.left_end = static_cast<std::uint32_t>(plan.left.size());
+    at.right_end = static_cast<std::uint32_t>(plan.right.size());
+    if (at.left != at.left_end && at.right != at.right_end) plan.samples.push_back(at);
+  }
+}
+
+void TangentAssembler::accumulate(const Plan& plan, Index a, Index width, double* rows) const {
+  const double* h = h_.data() + (a - plan.row);
+  const Index stride = terms_->samples().stride();
+  if (width == 1)
+    add_samples_of_one_row(plan, h, stride, rows);
+  else
+    add_samples(plan, h, stride, rows);
+}
+
+namespace {
+
+/// Rows a … a+size−1, which are alike in all sets.
+void gather_run(const std::vector<TangentAssembler>& sets, const std::vector<Plan>& plans, Index a,
+                Index size, bool adds, std::vector<double>& rows, BlockMatrix& k) {
+  const Index width = size < kFewest ? 1 : TangentAssembler::kLanes;
+  const auto begin = static_cast<std::size_t>(a);
+  const Index numbers = 9 * Index{k.row_begin[begin + 1] - k.row_begin[begin]};
+  for (Index done = 0; done < size; done += width) {
+    rows.assign(static_cast<std::size_t>(numbers * width), 0.0);
+    for (std::size_t i = 0; i < sets.size(); ++i)
+      sets[i].accumulate(plans[i], a + done, width, rows.data());
+    for (Index q = 0; q < std::min(width, size - done); ++q) {
+      double* to = k.value.data() + 9 * Index{k.row_begin[static_cast<std::size_t>(a + done + q)]};
+      for (Index i = 0; i < numbers; ++i)
+        to[i] = (adds ? to[i] : 0) + rows[static_cast<std::size_t>(i * width + q)];
+    }
+  }
+}
+
+}  // namespace
+
+void gather_tangents(const std::vector<TangentAssembler>& sets, BlockMatrix& k, bool adds) {
+  parallel_blocks(k.nodes, kRows, [&](Index first, Index size) {
+    // Kept by each thread from call to call: no allocation once they are large enough.
+    thread_local std::vector<Plan> plans;
+    thread_local std::vector<double> rows;
+    plans.resize(std::max(plans.size(), sets.size()));
+    for (Index a = first; a < first + size;) {
+      Index end = first + size;
+      for (std::size_t i = 0; i < sets.size(); ++i) {
+        sets[i].make_plan(a, plans[i]);
+        end = std::min(end, sets[i].run_end(a));
       }
+      gather_run(sets, plans, a, end - a, adds, rows, k);
+      a = end;
     }
   });
 }

@@ -61,6 +61,22 @@ struct SampleSet::Builder::Impl {
   using Coefficients = std::vector<std::array<double, kDerivatives>>;
   SampleSet set;
   std::map<Coefficients, std::size_t> shared;
+
+  [[nodiscard]] bool goes_on(Index s) const {
+    const auto i = static_cast<std::size_t>(s);
+    const Stencil at = set.stencil(s), next = set.stencil(s + 1);
+    return set.pool_begin_[i] == set.pool_begin_[i + 1] &&
+           std::ranges::equal(at.nodes, next.nodes, {}, [](std::int32_t a) { return a + 1; });
+  }
+  void find_runs() {
+    set.run_end_.resize(static_cast<std::size_t>(set.size()));
+    for (Index s = set.size() - 1; s >= 0; --s) {
+      const bool is_last = s + 1 == set.size() || !goes_on(s);
+      set.run_end_[static_cast<std::size_t>(s)] =
+          is_last ? static_cast<std::int32_t>(s + 1)
+                  : set.run_end_[static_cast<std::size_t>(s) + 1];
+    }
+  }
 };
 
 SampleSet::Builder::Builder(Index nodes) : impl_(std::make_unique<Impl>()) {
@@ -116,6 +132,7 @@ SampleSet SampleSet::Builder::build() {
     throw Error(ExitCode::plugin_failed, "the differences of fields need a row for each of the " +
                                              std::to_string(set.size()) +
                                              " samples, and no other sample in any row");
+  impl_->find_runs();
   return std::move(set);
 }
 

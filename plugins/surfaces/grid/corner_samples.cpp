@@ -38,9 +38,9 @@ SampleStencil sample(const Lattice& lattice, Index i, Index j, int p, int q) {
 SampleSet corner_samples(const Lattice& lattice) {
   SampleSet::Builder builder(lattice.nodes());
   for (Index j = 0; j < lattice.cells(1); ++j)
-    for (Index i = 0; i < lattice.cells(0); ++i)
-      for (const int q : {0, 1})
-        for (const int p : {0, 1}) builder.add(sample(lattice, i, j, p, q));
+    for (const int q : {0, 1})
+      for (const int p : {0, 1})
+        for (Index i = 0; i < lattice.cells(0); ++i) builder.add(sample(lattice, i, j, p, q));
   return builder.build();
 }
 

@@ -84,13 +84,13 @@ class DEFORM_API Geometry {
 
   [[nodiscard]] Index size() const { return size_; }
   [[nodiscard]] GeometryBlock block(Index first, Index size) const {
-    return {data_.data(), size_, first, size};
+    return {data_.data(), stride_, first, size};
   }
   [[nodiscard]] GeometryBlock all() const { return block(0, size_); }
 
  private:
-  Index size_ = 0;
-  std::vector<double> data_;  // (kFields × m)
+  Index size_ = 0, stride_ = 0;
+  std::vector<double> data_;  // (kFields × stride)
 };
 
 }  // namespace deform

@@ -20,6 +20,8 @@ class FormStiffness {
   [[nodiscard]] double operator()(Pair a, Pair b, Index sample) const {
     return c_[place(a, b)][static_cast<std::size_t>(sample)];
   }
+  /// C_ab at all samples.
+  [[nodiscard]] const double* values(Pair a, Pair b) const { return c_[place(a, b)].data(); }
   /// The symmetric matrix of one sample.
   void set(Index sample, const Eigen::Matrix3d& c) {
     for (const Pair a : kPairs)
@@ -64,6 +66,11 @@ class DEFORM_API QuadraticTerm : public JetTerm {
   void tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const final;
 
  private:
+  void add_metric_stress(const SampleBlock& block, const FormStiffness& C,
+                         const AffineStress& sigma) const;
+  void add_curvature_stress(const SampleBlock& block, const FormStiffness& C,
+                            const AffineStress& sigma) const;
+
   Form form_;
 };
 

@@ -40,6 +40,7 @@ class JetTangent {
   /// where the density does not depend on one of both.
   using Places = std::array<std::array<std::int16_t, kDerivatives>, kDerivatives>;
 
+  /// `stride`: from a number to the next of the same sample.
   JetTangent(double* data, Index stride, const Places& places, Index size)
       : data_(data), stride_(stride), places_(&places), size_(size) {}
 
@@ -47,16 +48,21 @@ class JetTangent {
   /// Adds to the block (m, n), m ≤ n, at a sample; nothing where the density was said not to depend
   /// on one of them.
   void add(Index sample, Derivative m, Derivative n, const Eigen::Matrix3d& h) const {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        if (double* const entries = entry(m, n, i, j)) entries[sample] += h(i, j);
+  }
+  /// Entry (i, j) of the block (m, n), m ≤ n, at all samples (size); null where the density was
+  /// said not to depend on one of them.
+  [[nodiscard]] double* entry(Derivative m, Derivative n, int i, int j) const {
     const int place =
         (*places_)[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))];
-    if (place < 0) return;
-    Eigen::Map<Eigen::Matrix3d> block(data_ + sample * stride_ + 9 * place);
-    block += h;
+    return place < 0 ? nullptr : data_ + (9 * place + 3 * i + j) * stride_;
   }
 
  private:
   double* data_;
-  Index stride_;  // numbers a sample
+  Index stride_;
   const Places* places_;
   Index size_;
 };

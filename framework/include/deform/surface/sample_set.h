@@ -2,6 +2,7 @@
 /// there.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
 #include <memory>
@@ -85,6 +86,9 @@ class DEFORM_API SampleSet {
 
   [[nodiscard]] Index size() const { return static_cast<Index>(weights_.size()); }
   [[nodiscard]] Index nodes() const { return nodes_; }
+  /// How far apart arrays of one number a sample are kept that are read together: not size(), for
+  /// arrays that lie a power of two apart share the same few lines of a cache.
+  [[nodiscard]] Index stride() const { return (size() + 7) / 8 * 8 + 8; }
   /// (m) A_s [m²].
   [[nodiscard]] ConstValues weights() const { return weights_; }
   [[nodiscard]] const std::vector<Vec2>& parameters() const { return parameters_; }
@@ -97,6 +101,19 @@ class DEFORM_API SampleSet {
     const auto end = static_cast<std::size_t>(begin_[i + 1]);
     return {{nodes_of_.data() + begin, end - begin}, pool_.data() + pool_begin_[i]};
   }
+  /// Calls visit(first, size) for parts of first … first+size−1, ascending: samples with the same
+  /// coefficients, whose nodes are those of the part's first, counted on by one from each to the
+  /// next.
+  template <class Visit>
+  void visit_runs(Index first, Index size, const Visit& visit) const {
+    for (Index s = first; s < first + size;) {
+      const Index end = std::min<Index>(run_end_[static_cast<std::size_t>(s)], first + size);
+      visit(s, end - s);
+      s = end;
+    }
+  }
+  /// The end of the run that a sample is in.
+  [[nodiscard]] Index run_end(Index s) const { return run_end_[static_cast<std::size_t>(s)]; }
   /// Samples whose normal is taken from other tangents than D_1 r and D_2 r, in ascending order.
   [[nodiscard]] const std::vector<Frame>& frames() const { return frames_; }
   /// True when sample s is node s for every s (D_0 is the identity).
@@ -117,6 +134,7 @@ class DEFORM_API SampleSet {
   std::vector<Index> begin_{0};
   std::vector<std::int32_t> nodes_of_;
   std::vector<std::size_t> pool_begin_;
+  std::vector<std::int32_t> run_end_;
   std::vector<std::array<double, kDerivatives>> pool_;
   std::vector<Frame> frames_;
   std::optional<FieldDifferences> field_differences_;
