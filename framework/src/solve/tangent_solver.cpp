@@ -1,5 +1,6 @@
 #include "solve/tangent_solver.h"
 
+#include "profile/profile.h"
 #include "solve/not_finite.h"
 
 namespace deform {
@@ -36,6 +37,7 @@ TangentSolver::TangentSolver(const ReductionMap& map, const BlockMatrix& pattern
       solution_(unknowns_.size(), 1) {}
 
 const SparseMatrix& TangentSolver::reduced(const BlockMatrix& k, const NodeValues& d) {
+  const Span span("matrix filling");
   matrix_.fill(k.value, d);
   return matrix_.matrix();
 }
