@@ -114,6 +114,9 @@ CLI::App& add_run(CLI::App& app, Arguments& arguments) {
   run.add_option("--threads", arguments.threads, "use at most N threads (default: all)")
       ->type_name("N")
       ->check(CLI::Range(1, 1024));
+  run.add_flag("--profile", arguments.run.profile,
+               "show where the time of the steps went; profile.txt and trace.json (for "
+               "chrome://tracing, Perfetto) in the run directory");
   run.add_flag("--quiet", arguments.run.quiet, "no progress bar and no summary");
   run.add_flag("--part-of-comparison", arguments.run.part_of_comparison)->group("");
   add_plugin_path(run, arguments);

@@ -72,6 +72,7 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
   options.folder = command.folder.empty() ? default_folder(command) : command.folder;
   options.force = command.force;
   options.resume = command.resume;
+  options.profile = command.profile;
   options.interrupted = &watch_interrupts();
   options.command_line = command.command_line;
   options.progress = [&bar](long done, long total) { bar.update(done, total); };
@@ -88,7 +89,10 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
   }
   bar.end();
   if (!result.reason.empty()) fmt::print(stderr, "deform: {}\n", result.reason);
-  if (!quiet) print_summary(result, options.folder);
+  if (!quiet) {
+    print_summary(result, options.folder);
+    fmt::print("{}", result.profile);
+  }
   // A comparison has a report of its own, which shows them all.
   if (scene.frames_written && !command.part_of_comparison) {
     const std::string report = add_report(options.folder);

@@ -21,6 +21,7 @@ struct RunCommand {
   bool force = false;
   bool resume = false;
   bool quiet = false;
+  bool profile = false;
   /// Says to stdout how many steps are done, for the program that compares; nothing else.
   bool part_of_comparison = false;
   std::vector<std::string> command_line;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "plugin/guard.h"
+#include "profile/profile.h"
 #include "simulation/memory_sections.h"
 
 namespace deform {
@@ -99,12 +100,15 @@ void ProbeRecorder::load(const Memory& memory) {
 }
 
 void ProbeRecorder::follow(const Frame& frame) {
+  const Span probes("probes");
   for (const Entry& entry : probes_) {
+    const Span span(entry.probe.name);
     guarded(entry.probe.origin, "following a step", [&] { entry.probe.object->follow(frame); });
   }
 }
 
 void ProbeRecorder::measure(const Entry& entry, const Frame& frame) {
+  const Span span(entry.probe.name);
   figures_.assign(entry.size + kMargin, kUnwritten);
   const Values figures = std::span(figures_).first(entry.size);
   guarded(entry.probe.origin, "measuring", [&] { entry.probe.object->measure(frame, figures); });
@@ -130,6 +134,7 @@ bool ProbeRecorder::due(long step) const {
 
 void ProbeRecorder::record(const Frame& frame, bool all) {
   if (frame.step == last_row_ || !(all || frame.step == 0 || due(frame.step))) return;
+  const Span span("probes");
   std::fill(row_.begin(), row_.end(), kNoFigure);
   for (const Entry& entry : probes_) {
     if (all || entry.every == 0 || is_due(entry, frame.step)) measure(entry, frame);
@@ -160,8 +165,10 @@ bool OutputRecorder::due(long step) const {
 }
 
 void OutputRecorder::record(const Frame& frame, bool all) {
+  const Span outputs("outputs");
   for (Entry& entry : outputs_) {
     if (frame.step == entry.last || !(all || frame.step % entry.every == 0)) continue;
+    const Span span(entry.output.name);
     guarded(entry.output.origin, "writing", [&] { entry.output.object->write(frame); });
     entry.last = frame.step;
   }

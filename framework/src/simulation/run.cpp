@@ -12,6 +12,7 @@
 
 #include "deform/log.h"
 
+#include "profile/profile.h"
 #include "record/trajectory_writer.h"
 #include "scene/json.h"
 #include "simulation/checkpoint.h"
@@ -30,6 +31,8 @@ namespace {
 
 /// Where a checkpoint keeps how long the trajectory was.
 constexpr const char* kTrajectoryBytes = "trajectory/bytes";
+/// What a profiled run leaves in its directory.
+constexpr const char *kProfileTable = "profile.txt", *kProfileTrace = "trace.json";
 
 std::size_t trajectory_bytes(const Checkpoint& checkpoint) {
   const double bytes = checkpoint.memory.get(kTrajectoryBytes, 1).front();
@@ -63,6 +66,7 @@ class Recording {
   void end_with(ExitCode code, const std::string& reason);
   void end_with(const Error& error);
   void finish();
+  void write_profile();
   /// For what comes after the end: a failure counts only where there was none before.
   template <class Action>
   void and_also(const Action& action);
@@ -83,6 +87,7 @@ class Recording {
   std::optional<RunContext> context_;
   Manifest manifest_;
   std::optional<TrajectoryWriter> trajectory_;
+  std::optional<Profile> profile_;
   CheckpointSchedule schedule_;
   long checkpoint_step_ = -1;  // of the checkpoint in the folder
   std::optional<Diverged> divergence_;
@@ -102,6 +107,7 @@ Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> r
   context_->resumed = found_.checkpoint.has_value();
   begin_probes(parts_, *context_);  // may still reject the scene, so comes before the folder
   if (found_.checkpoint) load_checkpoint();
+  if (options_.profile) profile_.emplace();
 }
 
 void Recording::load_checkpoint() {
@@ -143,7 +149,8 @@ RunResult Recording::execute() {
   try {
     for (const std::string& note : parts_.simulation->system().notes()) log::info(note);
     start();
-    const Stopwatch watch(result_.stepping_seconds);
+    const Profile::Active active(profile_ ? &*profile_ : nullptr);
+    const Stopwatch watch(result_.stepping_seconds, "run");
     step_to_end();
   } catch (const Diverged& e) {
     divergence_ = e;
@@ -178,6 +185,7 @@ void Recording::step_to_end() {
     if (!parts_.probes->none()) {
       apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
     }
+    if (profile_) profile_->end_step();
     if (options_.progress) options_.progress(simulation.steps(), scene_.steps());
   }
 }
@@ -201,7 +209,7 @@ bool Recording::settle() {
 void Recording::save_checkpoint() {
   Simulation& simulation = *parts_.simulation;
   if (checkpoint_step_ == simulation.steps()) return;
-  const Stopwatch watch(simulation.system().times().output);
+  const Stopwatch watch(simulation.system().times().output, "checkpoint");
   Checkpoint checkpoint;
   checkpoint.scene = identity_of(scene_);
   checkpoint.step = simulation.steps();
@@ -243,7 +251,10 @@ void Recording::record(bool all_probes, bool all_outputs) {
   apart_from_model([&](const Frame& frame) {
     parts_.probes->record(frame, all_probes);
     parts_.outputs->record(frame, all_outputs);
-    if (trajectory_ && (all_outputs || frame_due(frame.step))) trajectory_->record(frame);
+    if (trajectory_ && (all_outputs || frame_due(frame.step))) {
+      const Span span("trajectory");
+      trajectory_->record(frame);
+    }
   });
 }
 
@@ -285,6 +296,7 @@ void Recording::finish() {
     and_also([this] { record(true, true); });  // the last good state
   }
   and_also([this] { parts_.outputs->end(); });
+  if (profile_) and_also([this] { write_profile(); });
 
   Simulation& simulation = *parts_.simulation;
   result_.steps = simulation.steps();
@@ -303,6 +315,12 @@ void Recording::finish() {
                         result_.wall_seconds));
   manifest_.finish(result_, simulation.system().solver_choice());
   and_also([this] { manifest_.write(folder_); });
+}
+
+void Recording::write_profile() {
+  result_.profile = profile_->table();
+  write_atomically(folder_ / kProfileTable, result_.profile);
+  write_atomically(folder_ / kProfileTrace, profile_->trace());
 }
 
 Json Recording::summary() const {

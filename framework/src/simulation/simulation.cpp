@@ -14,6 +14,7 @@
 #include "deform/log.h"
 
 #include "plugin/guard.h"
+#include "profile/profile.h"
 #include "simulation/compound_terms.h"
 #include "simulation/initial_velocity.h"
 #include "simulation/memory_sections.h"
@@ -239,6 +240,7 @@ void Simulation::Impl::set_initial_state() {
 }
 
 void Simulation::Impl::advance() {
+  const Span span(integrator.name);
   try {
     guarded(integrator.origin, "taking a step",
             [this] { integrator.object->advance(*system, state, scene.step); });
@@ -256,6 +258,7 @@ void Simulation::Impl::advance() {
 }
 
 void Simulation::Impl::collide() {
+  const Span span("collision");
   try {
     system->collide(before.r, scene.step, state);
   } catch (const NotFinite& e) {
@@ -320,6 +323,7 @@ Simulation::Simulation(Scene scene, std::shared_ptr<const PluginRegistry> regist
 Simulation::~Simulation() = default;
 
 void Simulation::step() {
+  const Span span("step");
   Impl& s = *impl_;
   std::swap(s.earlier, s.before);
   s.before = s.state;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "profile/profile.h"
 #include "solve/not_finite.h"
 
 namespace deform {
@@ -63,6 +64,7 @@ double ImplicitEquation::incremental_potential(const State& state) {
 }
 
 double ImplicitEquation::merit(State& state) {
+  const Span span("merit");
   try {
     if (!has_potential_) return evaluated_residual(state);
     set_velocity(state);

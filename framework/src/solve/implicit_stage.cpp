@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "profile/profile.h"
 #include "solve/implicit_equation.h"
 #include "solve/not_finite.h"
 
@@ -112,6 +113,7 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
   next = Tangent::projected;
   try {
     for (int i = 0; i < kMostContractions; ++i, next = Tangent::exact) {
+      const Span span("Newton iteration");
       if (evaluate(system, state) <= settings.tolerance * equation.scale()) return true;
       ++system.step_report().iterations;
       if (!equation.find_direction(state, kind, direction).empty()) break;
@@ -131,6 +133,7 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
 
 /// The guess, or where the step began, whichever has the smaller merit.
 void ImplicitStage::Impl::choose_guess(System& system, const Stage& stage, State& state) {
+  const Span span("guess");
   State begin = state;
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < begin.r.rows(); ++a)
@@ -218,6 +221,7 @@ double ImplicitStage::Impl::go_farther(System& system, const NodeVectors& from, 
 /// into what a thin sheet resists most are taken back by the next. After a straight step the next
 /// tangent is that of the stress which this one foresaw.
 void ImplicitStage::Impl::step(System& system, State& state) {
+  const Span span("step along the direction");
   before = state.r;
   if (patience == 0) tried = std::min(turn, angle);
   const double s = std::min(1.0, turn / std::max(angle, 1e-300));
@@ -236,6 +240,7 @@ void ImplicitStage::Impl::step(System& system, State& state) {
 
 /// Goes along the direction as far as the merit falls; false where it does not.
 bool ImplicitStage::Impl::search_along(System& system, State& state, double norm) {
+  const Span span("line search");
   const double at_begin = equation.has_potential() ? equation.merit(state) : norm;
   const double slope = equation.has_potential() ? equation.slope(direction) : -norm;
   const double rounding = kRoundingOfEnergy * std::abs(at_begin);
@@ -292,6 +297,7 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
   remember(state, begun);
   system.step_report().residuals.clear();
   for (std::int64_t i = 0;; ++i) {
+    const Span span("Newton iteration");
     if (leaps && i == kMostLeaps) {
       leaps = false;
       go_back(state);
@@ -323,6 +329,7 @@ ImplicitStage::ImplicitStage(StageSettings settings) : impl_(std::make_unique<Im
 ImplicitStage::~ImplicitStage() = default;
 
 std::string ImplicitStage::solve(System& system, const Stage& stage, State& state) {
+  const Span span("stage");
   Impl& s = *impl_;
   const StrainsOfAStage strains(system, stage);
   s.equation.begin(system, stage);

@@ -119,13 +119,13 @@ void ReducedSolver::make_right_hand_side(Group& group, const SparseMatrix& k, co
 void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues& d,
                           const NodeVectors& b, NodeVectors& x, StepTimes& times) {
   if (version != factored_version_ || d != factored_d_) {
-    const Stopwatch watch(times.factorisation);
+    const Stopwatch watch(times.factorisation, "factorisation");
     factored_version_ = -1;
     for (Group& group : groups_) factor(group, k, d);
     factored_version_ = version;
     factored_d_ = d;
   }
-  const Stopwatch watch(times.solve);
+  const Stopwatch watch(times.solve, "solve");
   for (const Group& group : groups_)
     for (const int c : group.components)
       for (const Index node : group.free) x(node, c) = 0;

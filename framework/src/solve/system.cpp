@@ -95,7 +95,7 @@ SetPart& System::Impl::set_of(const SampleSet& samples) {
 void System::Impl::update_geometry(const NodeVectors& r) {
   const auto is_known = [&](std::size_t i) { return known[i].rows() == r.rows() && known[i] == r; };
   if (is_known(current)) return;
-  const Stopwatch watch(times.geometry);
+  const Stopwatch watch(times.geometry, "geometry");
   const std::size_t other = 1 - current;
   if (!is_known(other)) {
     // Never over the geometry of the step's start, which lagged probes read.
@@ -187,7 +187,7 @@ const Geometry& System::rest_geometry(const SampleSet& samples) const {
 
 void System::evaluate(const State& state) {
   impl_->update_geometry(state.r);
-  const Stopwatch watch(impl_->times.assembly);
+  const Stopwatch watch(impl_->times.assembly, "stress and force");
   impl_->evaluate_internal(state);
   impl_->force.setZero();
   impl_->add_internal_force(impl_->force);
@@ -205,7 +205,7 @@ void System::throw_force_not_finite(const State& state) {
 
 void System::evaluate_with_operator(const State& state) {
   evaluate(state);
-  const Stopwatch watch(impl_->times.assembly);
+  const Stopwatch watch(impl_->times.assembly, "lagged operator");
   std::ranges::fill(impl_->k.value, 0.0);
   for (const SetPart& set : impl_->sets) set.assembler.add_operator(impl_->k);
   for (const TupleAssembler& t : impl_->tuples) t.add_operator(impl_->k);

@@ -23,7 +23,7 @@ std::vector<double> System::Impl::damping_factors(bool of_strains) const {
 /// resists strains, and rigid motions not at all; its power −vᵀDv is never positive.
 void System::Impl::update_damping(const NodeVectors& r) {
   if (damped_at.rows() == r.rows() && damped_at == r) return;
-  const Stopwatch watch(times.assembly);
+  const Stopwatch watch(times.assembly, "tangent of damping");
   if (tangent.nodes == 0) make_tangent_pattern();
   if (damping.nodes == 0) damping = tangent;
   const std::vector<double> factors = damping_factors(false);

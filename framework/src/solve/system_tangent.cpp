@@ -47,7 +47,7 @@ const BlockMatrix& System::tangent() const { return impl_->tangent; }
 void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before,
                                    double rate) {
   evaluate(state);
-  const Stopwatch watch(impl_->times.assembly);
+  const Stopwatch watch(impl_->times.assembly, "tangent");
   if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
   BlockMatrix& k = impl_->tangent;
   for (std::size_t i = 0; i < impl_->sets.size(); ++i) {
@@ -83,6 +83,7 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
 }
 
 double System::potential(const State& state) {
+  const Span span("potential");
   double sum = external_potential(state);
   for (std::size_t t = 0; t < impl_->parts.energies.size(); ++t) sum += energy(t, state);
   return sum;
@@ -122,14 +123,14 @@ NodeValues System::mean_stiffness() const {
 
 std::string System::factor_tangent(const NodeValues& d) {
   require_finite(d, "what is added to the tangent", "the integrator", "");
-  const Stopwatch watch(impl_->times.factorisation);
+  const Stopwatch watch(impl_->times.factorisation, "factorisation");
   impl_->make_tangent_solver();
   return impl_->tangent_solver->factor(impl_->tangent, d);
 }
 
 void System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
   require_finite(b, "the right-hand side", "the integrator", "");
-  const Stopwatch watch(impl_->times.solve);
+  const Stopwatch watch(impl_->times.solve, "solve");
   impl_->tangent_solver->solve(b, x);
 }
 
@@ -141,17 +142,18 @@ std::string System::solve_tangent_to(double tolerance, const NodeValues& d, cons
   TangentSolver& solver = *impl_->tangent_solver;
   std::string reason;
   {
-    const Stopwatch watch(impl_->times.factorisation);
+    const Stopwatch watch(impl_->times.factorisation, "preparing the solver");
     reason = solver.factor_to_tolerance(impl_->tangent, d, std::exchange(impl_->renews, false));
   }
   if (!reason.empty()) return reason;
-  const Stopwatch watch(impl_->times.solve);
+  const Stopwatch watch(impl_->times.solve, "solve");
   reason = solver.solve_to_tolerance(tolerance, b, x);
   impl_->report.solver_iterations += solver.iterations();
   return reason;
 }
 
 double System::aim(const NodeVectors& r, const NodeVectors& d) {
+  const Span span("turning");
   if (!impl_->turning)
     impl_->turning.emplace(surface(), rest(), *impl_->map, impl_->held_freedoms,
                            impl_->parts.make_solvers);
@@ -187,7 +189,7 @@ std::vector<Freedom> System::hold_rigid_motions(const NodeVectors& r) {
 
 void System::evaluate_with_jacobian(const State& state, double rate) {
   evaluate(state);
-  const Stopwatch watch(impl_->times.assembly);
+  const Stopwatch watch(impl_->times.assembly, "Jacobian");
   if (!impl_->jacobian)
     impl_->jacobian.emplace(*impl_->map, impl_->dependence(), impl_->held_freedoms,
                             impl_->parts.make_solvers);
@@ -203,13 +205,13 @@ void System::evaluate_with_jacobian(const State& state, double rate) {
 }
 
 std::string System::factor_jacobian(const NodeValues& d) {
-  const Stopwatch watch(impl_->times.factorisation);
+  const Stopwatch watch(impl_->times.factorisation, "factorisation");
   return impl_->jacobian->factor(d);
 }
 
 void System::solve_jacobian(const NodeVectors& b, NodeVectors& x) {
   require_finite(b, "the right-hand side", "the integrator", "");
-  const Stopwatch watch(impl_->times.solve);
+  const Stopwatch watch(impl_->times.solve, "solve");
   impl_->jacobian->solve(b, x);
 }
 

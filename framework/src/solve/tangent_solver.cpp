@@ -3,6 +3,7 @@
 #include "deform/log.h"
 
 #include "plugin/guard.h"
+#include "profile/profile.h"
 #include "solve/not_finite.h"
 
 namespace deform {
@@ -39,6 +40,7 @@ TangentSolver::TangentSolver(const ReductionMap& map, const BlockMatrix& pattern
       solution_(unknowns_.size(), 1) {}
 
 const SparseMatrix& TangentSolver::reduced(const BlockMatrix& k, const NodeValues& d) {
+  const Span span("matrix filling");
   if (!matrix_) matrix_.emplace(reduced_matrix(unknowns_, *pattern_));
   matrix_->fill(k.value, d);
   return matrix_->matrix();

@@ -19,6 +19,9 @@ struct RunOptions {
   /// there is none, starts anew with a warning. `force` does not count then.
   bool resume = false;
   bool force = false;  ///< replace an existing run directory
+  /// Also writes where the time of the steps went: profile.txt, a table, and trace.json, for
+  /// chrome://tracing and Perfetto. Changes no other result.
+  bool profile = false;
   /// Called after each step with the steps done and to do.
   std::function<void(long done, long total)> progress;
   const std::atomic<bool>* interrupted =
@@ -36,7 +39,8 @@ struct RunResult {
   std::vector<std::pair<std::string, double>>
       figures;  ///< the last row of the probes, header and value
   double stepping_seconds =
-      0;  ///< of wall_seconds: from the first step to the last, recording included
+      0;                ///< of wall_seconds: from the first step to the last, recording included
+  std::string profile;  ///< the table of profile.txt; empty unless asked for
 };
 
 /// How a run ended: "done", "diverged", "plugin failed", "interrupted" or "failed".
