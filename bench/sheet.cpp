@@ -132,12 +132,12 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "{} {}² {} {} {} threads: {} ms, {}\n", c.scene, c.nodes, c.integrator,
                c.solver, c.threads, last.contains("ms") ? last["ms"]["median"].dump() : "–",
                last["status"].get<std::string>());
+    // After every case: what is measured stays when a later one is interrupted.
+    if (!options.out.empty() && !(std::ofstream(options.out) << results.dump(1) << '\n')) {
+      fmt::print(stderr, "{} cannot be written\n", options.out);
+      return 1;
+    }
   }
-  if (options.out.empty())
-    std::cout << results.dump(1) << '\n';
-  else if (!(std::ofstream(options.out) << results.dump(1) << '\n')) {
-    fmt::print(stderr, "{} cannot be written\n", options.out);
-    return 1;
-  }
+  if (options.out.empty()) std::cout << results.dump(1) << '\n';
   return 0;
 }
