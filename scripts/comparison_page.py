@@ -46,6 +46,21 @@ def table_row(cells):
     return f"| {' | '.join(map(cell, cells))} |"
 
 
+def table(head, rows):
+    return "\n".join([table_row(head), "|" + "---|" * len(head),
+                      *(table_row([str(cell) for cell in row]) for row in rows)])
+
+
+def make_page(text, tables, page, parts):
+    """Writes the file `page` from the file `text`; each [[part]] becomes tables/part.md."""
+    text = text.read_text()
+    for name in parts:
+        file = tables / f"{name}.md"
+        made = file.read_text().rstrip() if file.exists() else "*Not measured yet.*"
+        text = text.replace(f"[[{name}]]", made)
+    page.write_text(text)
+
+
 class Comparison:
     """The runs of one scene: their figures, and the claims that fail."""
 

@@ -1,0 +1,58 @@
+"""bench_sheet on a small sheet, and the page that is made from what it measures."""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+BENCH = os.environ["DEFORM_BENCH_SHEET"]
+PERFORMANCE = Path(os.environ["DEFORM_SOURCE"]) / "scripts" / "performance"
+TIMEOUT = 60  # seconds
+
+
+def measured(file, *arguments):
+    subprocess.run([BENCH, "--threads", "1", "--solver", "automatic", "--out", file, *arguments],
+                   check=True, stderr=subprocess.DEVNULL, timeout=TIMEOUT)
+    return json.loads(file.read_text())
+
+
+class Performance(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="deform_performance_")
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.file = self.folder / "sheet.json"
+
+    def test_every_case_is_measured_and_shown(self):
+        cases = measured(self.file, "--nodes", "9", "--steps", "3")
+        self.assertEqual(len(cases), 5)  # three implicit integrators, sheet P with two xi
+        for case in cases:
+            with self.subTest(case=case["integrator"]):
+                self.assertEqual(case["status"], "done")
+                self.assertEqual(case["steps"], 2)  # the first is counted by itself
+                # A step is its parts and little else.
+                self.assertLess(sum(case["parts_ms"].values()), 1.1 * case["ms"]["upper_quartile"])
+                self.assertLessEqual(case["allocations"]["own"], case["allocations"]["total"])
+        page = self.folder / "performance.md"
+        subprocess.run([sys.executable, PERFORMANCE, "--program", BENCH, "--measured", self.file,
+                        "--out", self.folder, "--page", page], check=True, timeout=TIMEOUT)
+        text = page.read_text()
+        self.assertNotIn("[[", text)
+        self.assertIn("| backward_euler | 1 |", text)
+
+    def test_a_case_that_fails_says_why(self):
+        case = measured(self.file, "--nodes", "9", "--steps", "1", "--scene", "hanging",
+                        "--integrator", "no_such")[0]
+        self.assertIn("no_such", case["status"])
+
+    def test_a_case_that_takes_too_long_is_ended(self):
+        case = measured(self.file, "--nodes", "1025", "--scene", "hanging", "--integrator", "bdf2",
+                        "--seconds", "1")[0]
+        self.assertEqual(case["status"], "not done after 1 s")
+
+
+if __name__ == "__main__":
+    unittest.main()
