@@ -29,6 +29,7 @@ struct Options {
   std::vector<int> threads{1, 2};
   long steps = 0;
   double tolerance = 0;
+  std::vector<double> newton_errors{0, 1e-4};
   int seconds = 600;
   std::string out;
 };
@@ -45,6 +46,9 @@ int parse(int argc, char** argv, Options& o) {
   app.add_option("--threads", o.threads)->check(CLI::PositiveNumber)->delimiter(',');
   app.add_option("--steps", o.steps, "at most so many (0: all of the first 0.4 s)");
   app.add_option("--tolerance", o.tolerance, "of Newton's method (0: the integrator's own)");
+  app.add_option("--newton-error", o.newton_errors,
+                 "that Newton's method may leave (0: its tolerance decides)")
+      ->delimiter(',');
   app.add_option("--seconds", o.seconds, "time limit of a case")->check(CLI::PositiveNumber);
   app.add_option("--out", o.out, "JSON file (default: standard output)");
   CLI11_PARSE(app, argc, argv);
@@ -61,8 +65,9 @@ std::vector<SheetCase> cases(const Options& o) {
       for (const std::string& solver : o.solvers)
         for (const std::int64_t nodes : o.nodes)
           for (const int threads : o.threads)
-            all.push_back(
-                {scene, nodes, integrator, solver, threads, o.steps, hanging ? o.tolerance : 0});
+            for (const double error : hanging ? o.newton_errors : std::vector<double>{0})
+              all.push_back({scene, nodes, integrator, solver, threads, o.steps,
+                             hanging ? o.tolerance : 0, error});
   }
   return all;
 }

@@ -33,6 +33,8 @@ Scene scene_of(const SheetCase& c, const PluginRegistry& registry) {
   if (c.solver != "automatic") changes.push_back({"/solver", R"({"plugin": ")" + c.solver + "\"}"});
   if (c.tolerance > 0)
     changes.push_back({"/integrator/tolerance", nlohmann::json(c.tolerance).dump()});
+  if (c.newton_error > 0)
+    changes.push_back({"/integrator/newton_error", nlohmann::json(c.newton_error).dump()});
   const std::string file = hanging ? "hanging_sheet.json" : "sheet_p.json";
   return read_scene(std::string(DEFORM_BENCHMARK_SCENES) + "/" + file, registry, changes);
 }
@@ -91,8 +93,13 @@ nlohmann::json figures(const Series& s, double first, const StepTimes& times) {
 }  // namespace
 
 nlohmann::json description(const SheetCase& c) {
-  return {{"scene", c.scene},   {"nodes", c.nodes},     {"integrator", c.integrator},
-          {"solver", c.solver}, {"threads", c.threads}, {"tolerance", c.tolerance}};
+  return {{"scene", c.scene},
+          {"nodes", c.nodes},
+          {"integrator", c.integrator},
+          {"solver", c.solver},
+          {"threads", c.threads},
+          {"tolerance", c.tolerance},
+          {"newton_error", c.newton_error}};
 }
 
 nlohmann::json measure(const SheetCase& c) {

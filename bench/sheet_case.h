@@ -12,10 +12,11 @@ struct SheetCase {
   std::string scene;       ///< "hanging", "sheet_p_1e-6" or "sheet_p_1e-4"
   std::int64_t nodes = 0;  ///< a side
   std::string integrator;
-  std::string solver;    ///< a plugin, or "automatic"
-  int threads = 1;       ///< at most, of TBB
-  long steps = 0;        ///< at most; 0: all of the first 0.4 s
-  double tolerance = 0;  ///< of Newton's method; 0: the integrator's own
+  std::string solver;       ///< a plugin, or "automatic"
+  int threads = 1;          ///< at most, of TBB
+  long steps = 0;           ///< at most; 0: all of the first 0.4 s
+  double tolerance = 0;     ///< of Newton's method; 0: the integrator's own
+  double newton_error = 0;  ///< that Newton's method may leave, in sides of the sheet
 };
 
 [[nodiscard]] nlohmann::json description(const SheetCase& c);

@@ -69,7 +69,7 @@ class Profile(Checkpoints):
         paths = set(self.assert_nested(self.events()))
         newton = ("run", "step", "backward_euler", "stage", "Newton iteration")
         for path in [newton + ("tangent",), newton + ("stress and force",), newton + ("solve",),
-                     newton + ("factorisation", "matrix filling"), ("run", "outputs", "vtk"),
+                     newton + ("preparing the solver", "matrix filling"), ("run", "outputs", "vtk"),
                      ("run", "probes", "energy"), ("run", "trajectory"), ("run", "checkpoint")]:
             self.assertIn(path, paths)
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <span>
 
 #include "parallel/kernel.h"
@@ -18,39 +19,67 @@ constexpr Index kFewest = 4;
 
 using Plan = TangentAssembler::Plan;
 
-/// Adds what one sample gives to W rows.
-template <int W>
+/// Numbers of eight rows, and of one. Vectors by name: compilers would keep the sums below as
+/// single numbers.
+struct EightRows {
+  using Numbers [[gnu::vector_size(64)]] = double;
+};
+struct OneRow {
+  using Numbers = double;
+};
+
+template <class Numbers>
+[[gnu::always_inline]] inline void copy(const double* from, Numbers& to) {
+  std::memcpy(&to, from, sizeof to);
+}
+template <class Numbers>
+[[gnu::always_inline]] inline void copy(const Numbers& from, double* to) {
+  std::memcpy(to, &from, sizeof from);
+}
+
+/// Adds what one sample gives to `Vectors` times as many rows as `Rows` has.
+template <class Rows, int Vectors>
 [[gnu::always_inline]] inline void add_sample(const Plan& plan, const Plan::Sample& at,
-                                              const double* __restrict h, Index stride,
-                                              double* __restrict rows) {
-  double left[kDerivatives][W];
+                                              const double* h, Index stride, double* rows) {
+  using Numbers = typename Rows::Numbers;
+  constexpr int kNumbers = sizeof(Numbers) / sizeof(double);
+  Numbers left[kDerivatives][Vectors];
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       // Row a of Σ_m D_mᵀ A h_mn for each derivative n …
       for (auto& of_n : left)
-        for (int k = 0; k < W; ++k) of_n[k] = 0;
+        for (Numbers& numbers : of_n) numbers = Numbers{};
       for (std::uint32_t q = at.left; q < at.left_end; ++q) {
-        const Plan::Left& part = plan.left[q];
+        const Plan::Left part = plan.left[q];
         const int entry = part.is_transposed ? 3 * j + i : 3 * i + j;
         const double* block = h + (9 * part.block + entry) * stride;
-        for (int k = 0; k < W; ++k) left[part.n][k] += part.l * block[k];
+        for (int v = 0; v < Vectors; ++v) {
+          Numbers numbers;
+          copy(block + v * kNumbers, numbers);
+          left[part.n][v] += part.l * numbers;
+        }
       }
       // … times the rows of D_n at the sample.
-      for (std::uint32_t q = at.right; q < at.right_end; ++q) {
-        const Plan::Right& part = plan.right[q];
-        double* to = rows + (9 * part.slot + 3 * i + j) * W;
-        for (int k = 0; k < W; ++k) to[k] += part.d * left[part.n][k];
+      for (std::uint32_t q = at.right; q < at.right_end;) {
+        const std::int16_t slot = plan.right[q].slot;
+        double* to = rows + (9 * slot + 3 * i + j) * Vectors * kNumbers;
+        Numbers sum[Vectors];
+        for (int v = 0; v < Vectors; ++v) copy(to + v * kNumbers, sum[v]);
+        for (; q < at.right_end && plan.right[q].slot == slot; ++q)
+          for (int v = 0; v < Vectors; ++v) sum[v] += plan.right[q].d * left[plan.right[q].n][v];
+        for (int v = 0; v < Vectors; ++v) copy(sum[v], to + v * kNumbers);
       }
     }
 }
 
 DEFORM_KERNEL void add_samples(const Plan& plan, const double* h, Index stride, double* rows) {
   for (const Plan::Sample& at : plan.samples)
-    add_sample<TangentAssembler::kLanes>(plan, at, h + at.sample, stride, rows);
+    add_sample<EightRows, TangentAssembler::kLanes / 8>(plan, at, h + at.sample, stride, rows);
 }
 DEFORM_KERNEL void add_samples_of_one_row(const Plan& plan, const double* h, Index stride,
                                           double* rows) {
-  for (const Plan::Sample& at : plan.samples) add_sample<1>(plan, at, h + at.sample, stride, rows);
+  for (const Plan::Sample& at : plan.samples)
+    add_sample<OneRow, 1>(plan, at, h + at.sample, stride, rows);
 }
 
 std::int32_t row_size(const BlockMatrix& k, Index a) {
@@ -109,8 +138,7 @@ void TangentAssembler::bind(const BlockMatrix& pattern) {
     }
   }
   for (Index a = gather.nodes() - 1; a >= 0; --a) {
-    const bool is_last =
-        a + 1 == gather.nodes() || row_size(pattern, a) != row_size(pattern, a + 1) || !goes_on(a);
+    const bool is_last = a + 1 == gather.nodes() || !goes_on(a);
     run_end_[static_cast<std::size_t>(a)] =
         is_last ? static_cast<std::int32_t>(a + 1) : run_end_[static_cast<std::size_t>(a) + 1];
   }
@@ -236,6 +264,9 @@ void gather_tangents(const std::vector<TangentAssembler>& sets, BlockMatrix& k, 
         sets[i].make_plan(a, plans[i]);
         end = std::min(end, sets[i].run_end(a));
       }
+      // What no set knows of (springs, say) may make rows longer.
+      for (Index b = a + 1; b < end; ++b)
+        if (row_size(k, b) != row_size(k, a)) end = b;
       gather_run(sets, plans, a, end - a, adds, rows, k);
       a = end;
     }
