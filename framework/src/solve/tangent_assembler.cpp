@@ -44,29 +44,35 @@ template <class Rows, int Vectors>
   using Numbers = typename Rows::Numbers;
   constexpr int kNumbers = sizeof(Numbers) / sizeof(double);
   Numbers left[kDerivatives][Vectors];
+  // By value: for all that a compiler knows, what is written below may be the plan's.
+  const Plan::Left *const lefts = plan.left.data(), *const lefts_end = lefts + at.left_end;
+  const Plan::Right *const rights = plan.right.data(), *const rights_end = rights + at.right_end;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       // Row a of Σ_m D_mᵀ A h_mn for each derivative n …
-      for (auto& of_n : left)
-        for (Numbers& numbers : of_n) numbers = Numbers{};
-      for (std::uint32_t q = at.left; q < at.left_end; ++q) {
-        const Plan::Left part = plan.left[q];
+      for (const Plan::Left* q = lefts + at.left; q != lefts_end; ++q) {
+        const Plan::Left part = *q;
         const int entry = part.is_transposed ? 3 * j + i : 3 * i + j;
         const double* block = h + (9 * part.block + entry) * stride;
         for (int v = 0; v < Vectors; ++v) {
           Numbers numbers;
           copy(block + v * kNumbers, numbers);
-          left[part.n][v] += part.l * numbers;
+          numbers *= part.l;
+          Numbers& sum = left[part.n][v];
+          sum = part.is_first ? numbers : sum + numbers;
         }
       }
       // … times the rows of D_n at the sample.
-      for (std::uint32_t q = at.right; q < at.right_end;) {
-        const std::int16_t slot = plan.right[q].slot;
+      for (const Plan::Right* q = rights + at.right; q != rights_end;) {
+        const std::int16_t slot = q->slot;
         double* to = rows + (9 * slot + 3 * i + j) * Vectors * kNumbers;
         Numbers sum[Vectors];
         for (int v = 0; v < Vectors; ++v) copy(to + v * kNumbers, sum[v]);
-        for (; q < at.right_end && plan.right[q].slot == slot; ++q)
-          for (int v = 0; v < Vectors; ++v) sum[v] += plan.right[q].d * left[plan.right[q].n][v];
+        for (; q != rights_end && q->slot == slot; ++q) {
+          const double d = q->d;
+          const Numbers* of_n = left[q->n];
+          for (int v = 0; v < Vectors; ++v) sum[v] += d * of_n[v];
+        }
         for (int v = 0; v < Vectors; ++v) copy(sum[v], to + v * kNumbers);
       }
     }
@@ -198,20 +204,26 @@ void TangentAssembler::make_plan(Index a, Plan& plan) const {
     const GatherTable::Coefficients& l = row.l[e];
     Plan::Sample at{row.samples[e], static_cast<std::uint32_t>(plan.left.size()), 0,
                     static_cast<std::uint32_t>(plan.right.size()), 0};
+    std::array<bool, kDerivatives> has_part{};
+    const auto add = [&](int n, std::size_t block, bool is_transposed, double factor) {
+      if (factor == 0) return;
+      bool& has = has_part[static_cast<std::size_t>(n)];
+      plan.left.push_back({static_cast<std::int16_t>(n), static_cast<std::int16_t>(block),
+                           is_transposed, !has, factor});
+      has = true;
+    };
     for (std::size_t q = 0; q < blocks_.size(); ++q) {
       const auto& [m, n] = blocks_[q];
-      const double l_m = l[static_cast<std::size_t>(m)], l_n = l[static_cast<std::size_t>(n)];
-      const auto number = static_cast<std::int16_t>(q);
-      if (l_m != 0) plan.left.push_back({static_cast<std::int16_t>(n), number, false, l_m});
-      if (l_n != 0 && m != n)
-        plan.left.push_back({static_cast<std::int16_t>(m), number, true, l_n});
+      add(n, q, false, l[static_cast<std::size_t>(m)]);
+      if (m != n) add(m, q, true, l[static_cast<std::size_t>(n)]);
     }
     const SampleSet::Stencil stencil = terms_->samples().stencil(row.samples[e]);
     const std::uint16_t* slots = slot_.data() + slot_begin_[gather.first_pair(a) + e];
     for (std::size_t b = 0; b < stencil.nodes.size(); ++b) {
       if (slots[b] == kNoSlot) continue;
       for (const int n : derivatives_)
-        if (const double d = stencil.d[b][static_cast<std::size_t>(n)]; d != 0)
+        if (const double d = stencil.d[b][static_cast<std::size_t>(n)];
+            d != 0 && has_part[static_cast<std::size_t>(n)])
           plan.right.push_back(
               {static_cast<std::int16_t>(n), static_cast<std::int16_t>(slots[b]), d});
     }

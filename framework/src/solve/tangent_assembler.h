@@ -28,7 +28,7 @@ class TangentAssembler {
                 const std::vector<double>& factors = {});
 
   /// Rows that are gathered at once.
-  static constexpr Index kLanes = 16;
+  static constexpr Index kLanes = 32;
   /// The end of the run that a row is in: rows that are alike but for being counted on.
   [[nodiscard]] Index run_end(Index a) const { return run_end_[static_cast<std::size_t>(a)]; }
   /// What goes into the rows of a run, found once for all of them.
@@ -63,8 +63,8 @@ class TangentAssembler {
 class TangentAssembler::Plan {
  public:
   struct Left {
-    std::int16_t n, block;  // adds l times that block, or its transpose
-    bool is_transposed;
+    std::int16_t n, block;         // adds l times that block, or its transpose
+    bool is_transposed, is_first;  // first: of that n, at the sample
     double l;
   };
   struct Right {
