@@ -1,5 +1,6 @@
 /// Loops over blocks in parallel. What a block computes must not depend on any other block of the
-/// loop, so that results have the same bits at any number of threads.
+/// loop, so that results have the same bits at any number of threads. A plugin that includes this
+/// links TBB::tbb.
 #pragma once
 
 #include <algorithm>

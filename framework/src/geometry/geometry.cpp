@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "deform/parallel.h"
 #include "deform/surface/sample_set.h"
 
 #include "geometry/sample_geometry.h"
 #include "parallel/kernel.h"
-#include "parallel/parallel.h"
 
 namespace deform {
 namespace {

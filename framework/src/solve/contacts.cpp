@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "parallel/parallel.h"
+#include "deform/parallel.h"
+
 #include "plugin/guard.h"
 #include "solve/not_finite.h"
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "parallel/parallel.h"
+#include "deform/parallel.h"
+
 #include "plugin/guard.h"
 
 namespace deform {

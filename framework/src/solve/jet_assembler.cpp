@@ -2,9 +2,10 @@
 
 #include <algorithm>
 
+#include "deform/parallel.h"
+
 #include "model/numerical_stress.h"
 #include "parallel/kernel.h"
-#include "parallel/parallel.h"
 #include "plugin/guard.h"
 
 namespace deform {

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "parallel/parallel.h"
+#include "deform/parallel.h"
+
 #include "plugin/guard.h"
 #include "solve/not_finite.h"
 #include "solve/pattern.h"

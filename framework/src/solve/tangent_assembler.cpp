@@ -5,8 +5,9 @@
 #include <cstring>
 #include <span>
 
+#include "deform/parallel.h"
+
 #include "parallel/kernel.h"
-#include "parallel/parallel.h"
 #include "plugin/guard.h"
 
 namespace deform {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "parallel/parallel.h"
+#include "deform/parallel.h"
+
 #include "plugin/guard.h"
 
 namespace deform {
