@@ -66,8 +66,8 @@ struct Columns {
 };
 constexpr std::array<Columns, 2> kColumns{{{0, 2, 1}, {1, 1, 2}}};
 
-/// out += Σ_ab (∂G_a/∂r_m)_i C_ab (∂G_b/∂r_n)_j, and K where it is given; x, y: components i and j
-/// of r_1 and r_2.
+/// out += Σ_ab (∂G_a/∂r_m)_i C_ab (∂G_b/∂r_n)_j; x, y: components i and j of r_1 and r_2; C: of the
+/// columns that are not 0, row by row.
 DEFORM_KERNEL void add_metric_entry(Index size, const std::array<const double*, 2>& x,
                                     const std::array<const double*, 2>& y,
                                     const std::array<const double*, 4>& C, const Columns& m,

@@ -23,7 +23,6 @@ class Cycle {
         Finest treatment);
 
   [[nodiscard]] Level<Entry>& finest() { return levels_.front(); }
-  [[nodiscard]] std::size_t levels() const { return levels_.size(); }
   /// The values of the finest level are there: makes those of the others, or leaves them at those
   /// of an earlier matrix.
   void renew(bool coarse_levels);

@@ -26,10 +26,10 @@ class DEFORM_API LinearSolver : public Plugin {
   [[nodiscard]] virtual double suitability(const MatrixTraits& traits) const = 0;
   /// Looks at the pattern (and size) of A; values do not matter.
   virtual void analyse(const SparseMatrix& a, const MatrixTraits& traits) = 0;
-  /// Prepares to solve with the values of A. Returns ""
-  /// or why it cannot (e.g. not positive definite); the framework then tries another solver.
+  /// Prepares to solve with the values of A. Returns "" or why it cannot (e.g. not positive
+  /// definite); the framework then tries another solver.
   [[nodiscard]] virtual std::string factor(const SparseMatrix& a) = 0;
-  /// (n × k) right-hand sides to solutions; both column-major, not the same memory.
+  /// B to X (n × k, column-major, not the same memory). Error (diverged): it cannot, try another.
   virtual void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) = 0;
 
   /// This solver's way with matrices of blocks; null where it has none.
