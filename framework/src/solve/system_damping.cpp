@@ -27,13 +27,12 @@ void System::Impl::update_damping(const NodeVectors& r) {
   if (tangent.nodes == 0) make_tangent_pattern();
   if (damping.nodes == 0) damping = tangent;
   const std::vector<double> factors = damping_factors(false);
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    SetPart& set = sets[i];
+  const auto of = [&](SetPart& set) -> Geometries {
     if (set.damped.size() == 0) set.damped = Geometry(set.assembler.samples());
     set.damped.compute(set.assembler.samples(), r);
-    tangents[i].evaluate({set.damped, set.damped, set.rest}, Tangent::gauss_newton, factors);
-  }
-  gather_tangents(tangents, damping);
+    return {set.damped, set.damped, set.rest};
+  };
+  tangents.assemble(geometries_of_sets(of), Tangent::gauss_newton, factors, damping);
   for (TupleAssembler& t : tuples)
     t.add_tangent(r, Tangent::gauss_newton, damping, factors[t.number()]);
   damped_at = r;
@@ -54,10 +53,8 @@ void System::Impl::add_strain_damping(NodeVectors& f) {
 
 void System::Impl::add_strain_damping_tangent(Tangent kind, BlockMatrix& sum) {
   const std::vector<double> factors = damping_factors(true);
-  for (std::size_t i = 0; i < sets.size(); ++i)
-    tangents[i].evaluate(since_begun(sets[i]), kind == Tangent::foreseen ? Tangent::exact : kind,
-                         factors);
-  gather_tangents(tangents, sum, true);
+  tangents.assemble(geometries_of_sets([&](SetPart& set) { return since_begun(set); }),
+                    kind == Tangent::foreseen ? Tangent::exact : kind, factors, sum, true);
 }
 
 void System::Impl::add_material_damping(const State& state, NodeVectors& f) {

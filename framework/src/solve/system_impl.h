@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,7 @@
 #include "solve/external_forces.h"
 #include "solve/jet_assembler.h"
 #include "solve/reduced_solver.h"
-#include "solve/tangent_assembler.h"
+#include "solve/tangent_matrix.h"
 #include "solve/tangent_solver.h"
 #include "solve/tuple_assembler.h"
 #include "solve/turning_step.h"
@@ -45,6 +46,13 @@ struct System::Impl {
   void add_material_damping(const State& state, NodeVectors& f);
   /// What a term's damping is multiplied by where strains are measured over a step, or v is taken.
   [[nodiscard]] std::vector<double> damping_factors(bool of_strains) const;
+  /// One a set, by a function of a set.
+  template <class Of>
+  [[nodiscard]] std::span<const Geometries> geometries_of_sets(const Of& of) {
+    all_geometries.clear();
+    for (SetPart& set : sets) all_geometries.push_back(of(set));
+    return all_geometries;
+  }
   [[nodiscard]] Geometries since_begun(SetPart& set) {
     return {set.geometry[current], set.geometry[current], set.rest, &set.begun};
   }
@@ -75,6 +83,8 @@ struct System::Impl {
   std::optional<std::size_t> held;   // which is that of the step's start
   NodeVectors normals;               // at the nodes, of the current geometry
 
+  std::vector<Geometries> all_geometries;
+
   NodeVectors force;
   NodeValues force_stiffness, force_damping;
   SparseMatrix k;
@@ -82,7 +92,7 @@ struct System::Impl {
   std::optional<ReducedSolver> solver;
   std::string no_solver = "none was needed";
   BlockMatrix tangent;
-  std::vector<TangentAssembler> tangents;  // of each set; made when first asked for
+  TangentMatrix tangents;  // makes the one before and the next; bound when first asked for
   BlockMatrix damping;     // of the material, N·s/m, where some term has a retardation time …
   NodeVectors damped_at;   // … at these positions
   double strain_rate = 0;  // [1/s], of strains since `begun`; 0: strain rates are those of v

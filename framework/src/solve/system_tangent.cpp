@@ -12,7 +12,7 @@
 namespace deform {
 
 void System::Impl::make_tangent_pattern() {
-  for (const SetPart& set : sets) tangents.emplace_back(set.assembler);
+  for (const SetPart& set : sets) tangents.add(set.assembler);
   std::vector<std::vector<std::int32_t>> rows(static_cast<std::size_t>(parts.surface->nodes()));
   const auto compress = [](std::vector<std::int32_t>& row) {
     std::ranges::sort(row);
@@ -23,7 +23,7 @@ void System::Impl::make_tangent_pattern() {
     row.push_back(static_cast<std::int32_t>(std::max(a, b)));
     if (row.size() >= 256) compress(row);  // the same block comes from many samples
   };
-  for (const TangentAssembler& t : tangents) t.visit_pattern(add);
+  for (const TangentAssembler& t : tangents.sets()) t.visit_pattern(add);
   for (const TupleAssembler& t : tuples) t.visit_pattern(add);
   external.visit_pattern(add);
   tangent.nodes = parts.surface->nodes();
@@ -34,7 +34,7 @@ void System::Impl::make_tangent_pattern() {
     tangent.row_begin.push_back(static_cast<std::int32_t>(tangent.column.size()));
   }
   tangent.value.resize(9 * tangent.column.size());
-  for (TangentAssembler& t : tangents) t.bind(tangent);
+  tangents.bind(tangent);
 }
 
 void System::Impl::make_tangent_solver() {
@@ -50,18 +50,14 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
   const Stopwatch watch(impl_->times.assembly, "tangent");
   if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
   BlockMatrix& k = impl_->tangent;
-  for (std::size_t i = 0; i < impl_->sets.size(); ++i) {
-    SetPart& set = impl_->sets[i];
+  const auto of = [&](SetPart& set) {
     Geometries geometries = impl_->geometries(set);
-    if (kind == Tangent::foreseen && before != nullptr) {
-      if (set.before.size() == 0) set.before = Geometry(set.assembler.samples());
-      set.before.compute(set.assembler.samples(), *before);
-      impl_->tangents[i].evaluate({geometries.now, set.before, geometries.rest}, kind);
-    } else {
-      impl_->tangents[i].evaluate(geometries, kind);
-    }
-  }
-  gather_tangents(impl_->tangents, k);
+    if (kind != Tangent::foreseen || before == nullptr) return geometries;
+    if (set.before.size() == 0) set.before = Geometry(set.assembler.samples());
+    set.before.compute(set.assembler.samples(), *before);
+    return Geometries{geometries.now, set.before, geometries.rest};
+  };
+  impl_->tangents.assemble(impl_->geometries_of_sets(of), kind, {}, k);
   for (TupleAssembler& t : impl_->tuples) t.add_tangent(state.r, kind, k);
   impl_->force_stiffness.setZero();
   impl_->force_damping.setZero();

@@ -1,4 +1,5 @@
-/// Gathers the tangents of the terms on one sample set into blocks of a matrix.
+/// Tangents of the terms on one sample set: their second derivatives at samples, and how rows of
+/// the matrix are made of them.
 #pragma once
 
 #include <vector>
@@ -7,11 +8,11 @@
 #include "deform/solve/block_matrix.h"
 
 #include "solve/jet_assembler.h"
+#include "solve/tangent_rows.h"
 
 namespace deform {
 
-/// Terms with a potential; the others have no part in a tangent. Rows are gathered one by one in a
-/// fixed order: the same bits at any number of threads.
+/// Terms with a potential; the others have no part in a tangent.
 class TangentAssembler {
  public:
   explicit TangentAssembler(const JetAssembler& terms);
@@ -19,25 +20,20 @@ class TangentAssembler {
   /// Calls visit(a, b), a ≤ b, for every block that the tangent may have.
   template <class Visit>
   void visit_pattern(const Visit& visit) const;
-  /// Remembers where in a matrix of that pattern the blocks are.
-  void bind(const BlockMatrix& pattern);
 
-  /// Second derivatives of all terms' densities at every sample; `factors`: what each term of the
-  /// scene is multiplied by, 1 where empty.
-  void evaluate(const Geometries& geometries, Tangent kind,
-                const std::vector<double>& factors = {});
+  /// How many numbers a sample has: 9 for each pair of derivatives that some density depends on.
+  [[nodiscard]] Index numbers() const { return static_cast<Index>(blocks_.size()) * 9; }
+  /// Second derivatives of all terms' densities at samples first … first+size−1, number q of the
+  /// k-th of them at h[q·stride + k]; `factors`: what each term of the scene is multiplied by, 1
+  /// where empty.
+  void evaluate(const Geometries& geometries, Tangent kind, const std::vector<double>& factors,
+                Index first, Index size, double* h, Index stride) const;
 
-  /// Rows that are gathered at once.
-  static constexpr Index kLanes = 32;
-  /// The end of the run that a row is in: rows that are alike but for being counted on.
-  [[nodiscard]] Index run_end(Index a) const { return run_end_[static_cast<std::size_t>(a)]; }
-  /// What goes into the rows of a run, found once for all of them.
-  class Plan;
-  /// Adds rows a … a+size−1 of Σ D_mᵀ A h_mn D_n of the last evaluation, of the plan's run, to
-  /// `rows`: number q of the matrix row's blocks, of row a + k, is at q·width + k; width: 1, or
-  /// kLanes.
-  void accumulate(const Plan& plan, Index a, Index width, double* rows) const;
-  void make_plan(Index a, Plan& plan) const;
+  /// Whether rows a and a + 1 of the matrix are made alike, of samples counted on by one.
+  [[nodiscard]] bool goes_on(Index a) const;
+  /// How row a of a matrix is made, of the samples that are appended to `samples`.
+  void make_plan(const BlockMatrix& pattern, Index a, TangentPlan& plan,
+                 std::vector<std::int32_t>& samples) const;
 
  private:
   struct Block {
@@ -45,45 +41,12 @@ class TangentAssembler {
   };
   [[nodiscard]] bool depends(const std::array<double, kDerivatives>& d) const;
   [[nodiscard]] bool depends(const GatherTable::Coefficients& l) const;
-  [[nodiscard]] bool goes_on(Index a) const;
 
   const JetAssembler* terms_;
   std::vector<int> derivatives_;  // that some density depends on
   std::vector<Block> blocks_;     // of a sample, upper triangle
   JetTangent::Places places_{};
-  std::vector<double> h_;  // (blocks × 9 × m), and room for kLanes beyond
-  static constexpr std::uint16_t kNoSlot = 0xFFFF;
-  std::vector<std::size_t> slot_begin_;
-  std::vector<std::uint16_t> slot_;
-  std::vector<std::int32_t> run_end_;
 };
-
-/// Row a of Σ_m D_mᵀ A h_mn for each derivative n, at each sample of the row; times the rows of
-/// D_n.
-class TangentAssembler::Plan {
- public:
-  struct Left {
-    std::int16_t n, block;         // adds l times that block, or its transpose
-    bool is_transposed, is_first;  // first: of that n, at the sample
-    double l;
-  };
-  struct Right {
-    std::int16_t n, slot;
-    double d;
-  };
-  struct Sample {
-    std::int32_t sample;  // of the run's first row
-    std::uint32_t left, left_end, right, right_end;
-  };
-
-  Index row = 0;  // the run's first
-  std::vector<Left> left;
-  std::vector<Right> right;
-  std::vector<Sample> samples;
-};
-
-/// K = Σ over sets, blocks of the pattern that none adds to becoming 0; or K += Σ.
-void gather_tangents(const std::vector<TangentAssembler>& sets, BlockMatrix& k, bool adds = false);
 
 template <class Visit>
 void TangentAssembler::visit_pattern(const Visit& visit) const {

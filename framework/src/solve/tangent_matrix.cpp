@@ -1,0 +1,52 @@
+#include "solve/tangent_matrix.h"
+
+#include <algorithm>
+
+#include "deform/parallel.h"
+
+namespace deform {
+
+void TangentMatrix::gather(const TangentSchedule::Group& group, const double* h, double* rows,
+                           BlockMatrix& k, bool adds) const {
+  const Index width = group.size == 1 ? 1 : kRowLanes;
+  const std::int32_t* const begin = k.row_begin.data() + group.row;
+  const Index numbers = 9 * Index{begin[1] - begin[0]};
+  std::fill_n(rows, numbers * width, 0.0);
+  const std::uint32_t* places = schedule_->places(group.place);
+  for (std::size_t set = 0; set < sets_.size(); ++set) {
+    const TangentPlan& plan = schedule_->plan(group.plan + set);
+    (width == 1 ? add_to_row : add_to_rows)(plan, h, places, rows);
+    places += plan.samples.size();
+  }
+  for (Index q = 0; q < group.size; ++q) {
+    double* const to = k.value.data() + 9 * Index{begin[q]};
+    if (adds)
+      for (Index i = 0; i < numbers; ++i) to[i] += rows[i * width + q];
+    else
+      for (Index i = 0; i < numbers; ++i) to[i] = rows[i * width + q];
+  }
+}
+
+void TangentMatrix::assemble(std::span<const Geometries> geometries, Tangent kind,
+                             const std::vector<double>& factors, BlockMatrix& k, bool adds) const {
+  const TangentSchedule& schedule = *schedule_;
+  parallel_blocks(static_cast<Index>(schedule.segments().size()), 1, [&](Index segment, Index) {
+    // Kept by each thread from call to call: no allocation once they are large enough.
+    thread_local std::vector<double> h, rows;
+    h.resize(std::max(h.size(), schedule.buffer()));
+    rows.resize(std::max(rows.size(), schedule.row_buffer()));
+    const auto& [piece, piece_end] = schedule.segments()[static_cast<std::size_t>(segment)];
+    for (std::size_t p = piece; p < piece_end; ++p) {
+      const TangentSchedule::Piece& at = schedule.pieces()[p];
+      for (std::size_t s = at.span; s < at.span_end; ++s) {
+        const TangentSchedule::Span& span = schedule.spans()[s];
+        sets_[span.set].evaluate(geometries[span.set], kind, factors, span.first, span.size,
+                                 h.data() + span.place, kSampleLanes);
+      }
+      for (std::size_t g = at.group; g < at.group_end; ++g)
+        gather(schedule.groups()[g], h.data(), rows.data(), k, adds);
+    }
+  });
+}
+
+}  // namespace deform

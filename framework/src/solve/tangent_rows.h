@@ -1,0 +1,50 @@
+/// Rows of a tangent from second derivatives at samples: Σ_mn D_mᵀ A h_mn D_n.
+#pragma once
+
+#include <compare>
+#include <cstdint>
+#include <vector>
+
+#include "deform/types.h"
+
+namespace deform {
+
+/// How a row is made of its samples' numbers: row a of Σ_m D_mᵀ A h_mn for each derivative n, times
+/// the rows of D_n. Rows of equal plans differ in where their samples' numbers are.
+struct TangentPlan {
+  struct Left {
+    std::int16_t n, block;         // adds l times that block, or its transpose
+    bool is_transposed, is_first;  // first: of that n, at the sample
+    double l;
+    auto operator<=>(const Left&) const = default;
+  };
+  struct Right {
+    std::int16_t n, slot;  // slot: of a block in the row
+    double d;
+    auto operator<=>(const Right&) const = default;
+  };
+  struct Sample {
+    std::uint32_t left, left_end, right, right_end;
+    auto operator<=>(const Sample&) const = default;
+  };
+
+  std::vector<Left> left;
+  std::vector<Right> right;
+  std::vector<Sample> samples;
+  auto operator<=>(const TangentPlan&) const = default;
+};
+
+/// Rows that are made at once.
+inline constexpr Index kRowLanes = 32;
+/// From a number of a sample's second derivatives to its next: so many samples, side by side, and
+/// some room.
+inline constexpr Index kSampleLanes = kRowLanes + 8;
+
+/// Adds to kRowLanes rows, number q of the k-th at rows[q·kRowLanes + k]; the k-th row's sample e
+/// has its number q at h[places[e] + k + q·kSampleLanes].
+void add_to_rows(const TangentPlan& plan, const double* h, const std::uint32_t* places,
+                 double* rows);
+/// Adds to one row.
+void add_to_row(const TangentPlan& plan, const double* h, const std::uint32_t* places, double* row);
+
+}  // namespace deform
