@@ -60,6 +60,32 @@ class StrainsOfAStage {
   System& system_;
 };
 
+/// By how much the first correction of a stage is larger than what is left after it, from earlier
+/// stages: as measured by a second correction, or after stages without one nearer and nearer to 1
+/// (Hairer & Wanner, IV.8: θ^0.8), so that sooner or later it is measured again.
+class FirstContraction {
+ public:
+  /// Longer stages than that of the measurement contract worse: nothing is known.
+  void begin_stage(double tau) {
+    if (tau > tau_ * (1 + 1e-9)) theta_ = 1;
+    tau_ = tau;
+    theta_ = std::pow(theta_, kFade);
+  }
+  void measure(double theta) { theta_ = theta; }
+  [[nodiscard]] double theta() const { return theta_; }
+
+  void save(Memory& memory) const { memory.put("contraction", {theta_, tau_}); }
+  void load(const Memory& memory) {
+    const std::vector<double>& known = memory.get("contraction", 2);
+    theta_ = known[0], tau_ = known[1];
+  }
+  void forget() { theta_ = 1; }
+
+ private:
+  static constexpr double kFade = 0.8;
+  double theta_ = 1, tau_ = 0;  // tau: [s]
+};
+
 }  // namespace
 
 struct ImplicitStage::Impl {
@@ -81,6 +107,7 @@ struct ImplicitStage::Impl {
 
   StageSettings settings;
   ImplicitEquation equation;
+  FirstContraction first_contraction;
 
   /// Where a way's merit is the lowest.
   struct Lowest {
@@ -95,6 +122,7 @@ struct ImplicitStage::Impl {
   double turn = 0;    // the largest that a leap may make [rad]
   double tried = 0;   // that of the first since the lowest
   Tangent kind = Tangent::exact, next = Tangent::exact;
+  NodeVectors guess;   // of a stage
   NodeVectors before;  // positions before the last step
   NodeVectors direction;
   double angle = 0;    // by which it turns some part of the surface [rad]
@@ -105,7 +133,7 @@ struct ImplicitStage::Impl {
 /// enough, the state being the guess again. The first tangent is the projected one: far from the
 /// solution the exact one is no better, and often indefinite.
 bool ImplicitStage::Impl::contract(System& system, State& state) {
-  const NodeVectors guess = state.r;
+  guess = state.r;
   double last = kInfinity;
   equation.begin_way(state);
   system.step_report().residuals.clear();
@@ -117,16 +145,18 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
       if (evaluate(system, state) <= settings.tolerance * equation.scale()) return true;
       ++system.step_report().iterations;
       if (!equation.find_direction(state, kind, direction).empty()) break;
-      const double correction = system.root_mean_square(direction), theta = correction / last;
-      if (!(theta <= kContraction)) break;
+      const double correction = system.root_mean_square(direction);
+      if (i == 1) first_contraction.measure(correction / last);
+      const double theta = i > 0 ? correction / last : first_contraction.theta();
+      if (i > 0 && !(theta <= kContraction)) break;
       state.r += direction;
-      if (theta / (1 - theta) * correction <= settings.newton_error * equation.size() && i > 0)
-        return true;
+      if (theta * correction <= (1 - theta) * settings.newton_error * equation.size()) return true;
       last = correction;
     }
   } catch (const NotFinite&) {
     // What went too far comes again from the guess.
   }
+  first_contraction.forget();
   state.r = guess;
   return false;
 }
@@ -333,6 +363,7 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
   Impl& s = *impl_;
   const StrainsOfAStage strains(system, stage);
   s.equation.begin(system, stage);
+  s.first_contraction.begin_stage(stage.tau);
   StepReport& report = system.step_report();
   if (s.settings.newton_error > 0 && s.equation.has_potential() && system.colliders() == 0 &&
       s.contract(system, state)) {
@@ -354,8 +385,17 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
 std::vector<Touch> ImplicitStage::touching() const { return impl_->equation.contacts().touching(); }
 bool ImplicitStage::counts_corrections() const { return impl_->settings.newton_error > 0; }
 bool ImplicitStage::resolves_contacts() const { return impl_->equation.has_potential(); }
-void ImplicitStage::save(Memory& memory) const { impl_->equation.contacts().save(memory); }
-void ImplicitStage::load(const Memory& memory) { impl_->equation.contacts().load(memory); }
-void ImplicitStage::forget() { impl_->equation.contacts().forget(); }
+void ImplicitStage::save(Memory& memory) const {
+  impl_->equation.contacts().save(memory);
+  if (counts_corrections()) impl_->first_contraction.save(memory);
+}
+void ImplicitStage::load(const Memory& memory) {
+  impl_->equation.contacts().load(memory);
+  if (counts_corrections()) impl_->first_contraction.load(memory);
+}
+void ImplicitStage::forget() {
+  impl_->equation.contacts().forget();
+  impl_->first_contraction.forget();
+}
 
 }  // namespace deform
