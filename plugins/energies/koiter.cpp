@@ -54,18 +54,7 @@ class IsotropicTerm final : public QuadraticTerm {
       : QuadraticTerm(form), factor_(std::move(factor)), nu_(nu) {}
 
   void stiffness(const GeometryBlock& rest, FormStiffness& c) const override {
-    for (Index s = 0; s < rest.size(); ++s) {
-      const auto i = static_cast<std::size_t>(s);
-      const double g11 = rest.reciprocal(Pair::p11)[i], g12 = rest.reciprocal(Pair::p12)[i],
-                   g22 = rest.reciprocal(Pair::p22)[i];
-      Eigen::Matrix3d A;                                              // of tr(M²)
-      A << g11 * g11, 2 * g11 * g12, g12 * g12,                       //
-          2 * g11 * g12, 2 * (g11 * g22 + g12 * g12), 2 * g12 * g22,  //
-          g12 * g12, 2 * g12 * g22, g22 * g22;
-      const Vec3 v(g11, 2 * g12, g22);  // tr(M) = v·X
-      const double factor = factor_[rest.first() + s] * rest.area_element()[i];
-      c.set(s, 2 * factor * ((1 - nu_) * A + nu_ * v * v.transpose()));
-    }
+    c.set_isotropic(rest, factor_.data() + rest.first(), nu_);
   }
 
  private:

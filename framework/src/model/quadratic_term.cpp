@@ -36,6 +36,26 @@ void find_foreseen_change(const SampleBlock& block, BlockTensor& x) {
   }
 }
 
+/// C of 2 factor area [(1 − ν) A + ν v vᵀ] with tr(M²) = xᵀ A x and tr(M) = v·x, x = (X_11, X_12,
+/// X_22).
+DEFORM_KERNEL void find_isotropic(Index size, const double* __restrict R_11,
+                                  const double* __restrict R_12, const double* __restrict R_22,
+                                  const double* __restrict area, const double* __restrict factor,
+                                  double nu, const std::array<double*, 6>& C) {
+  double *const c_0 = C[0], *const c_1 = C[1], *const c_2 = C[2], *const c_3 = C[3],
+                *const c_4 = C[4], *const c_5 = C[5];
+  for (Index s = 0; s < size; ++s) {
+    const double g_11 = R_11[s], g_12 = R_12[s], g_22 = R_22[s];
+    const double f = 2 * (factor[s] * area[s]), v_12 = 2 * g_12;
+    c_0[s] = f * ((1 - nu) * (g_11 * g_11) + nu * g_11 * g_11);
+    c_1[s] = f * ((1 - nu) * (2 * g_11 * g_12) + nu * g_11 * v_12);
+    c_2[s] = f * ((1 - nu) * (g_12 * g_12) + nu * g_11 * g_22);
+    c_3[s] = f * ((1 - nu) * (2 * (g_11 * g_22 + g_12 * g_12)) + nu * v_12 * v_12);
+    c_4[s] = f * ((1 - nu) * (2 * g_12 * g_22) + nu * v_12 * g_22);
+    c_5[s] = f * ((1 - nu) * (g_22 * g_22) + nu * g_22 * g_22);
+  }
+}
+
 /// Σ_a S_a ∂²G_a/∂r_m∂r_n is K_mn times the identity: 2 S_11, S_12, 2 S_22, in place.
 DEFORM_KERNEL void stress_to_stiffness(Index size, double* __restrict K_11,
                                        double* __restrict K_22) {
@@ -119,6 +139,13 @@ void add_metric_tangent(const SampleBlock& block, const FormStiffness& C, Tangen
 }
 
 }  // namespace
+
+void FormStiffness::set_isotropic(const GeometryBlock& rest, const double* factor, double nu) {
+  std::array<double*, 6> C{};
+  for (std::size_t q = 0; q < 6; ++q) C[q] = c_[q].data();
+  find_isotropic(rest.size(), rest.reciprocal(Pair::p11).data(), rest.reciprocal(Pair::p12).data(),
+                 rest.reciprocal(Pair::p22).data(), rest.area_element().data(), factor, nu, C);
+}
 
 QuadraticTerm::~QuadraticTerm() = default;
 

@@ -141,6 +141,10 @@ std::string ImplicitEquation::find_direction(State& state, Tangent& kind, NodeVe
   return reason;
 }
 
+std::string ImplicitEquation::find_direction_again(NodeVectors& direction) {
+  return system_->solve_tangent_again(kForcing, left_, direction);
+}
+
 bool ImplicitEquation::find_full_direction(State& state, NodeVectors& direction) {
   if (contacts_begun_ && !contacts_.touching().empty()) return false;  // not in the Jacobian
   system_->evaluate_with_jacobian(state, 1 / stage_->tau);

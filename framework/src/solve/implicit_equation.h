@@ -47,8 +47,10 @@ class ImplicitEquation {
   /// positive definite by the projected one, or that and more. Φ falls along it. `kind` becomes
   /// what it is of. Returns "" or why there is none.
   [[nodiscard]] std::string find_direction(State& state, Tangent& kind, NodeVectors& direction);
-  /// The same by the Jacobian of all forces, of which the tangent knows but a symmetric part;
-  /// false where that is no descent.
+  /// From the last residual, by the tangent of the last direction.
+  [[nodiscard]] std::string find_direction_again(NodeVectors& direction);
+  /// As `find_direction`, by the Jacobian of all forces, of which the tangent knows but a symmetric
+  /// part; false where that is no descent.
   [[nodiscard]] bool find_full_direction(State& state, NodeVectors& direction);
   /// Φ's change by a unit step in a direction from the last evaluation [J].
   [[nodiscard]] double slope(const NodeVectors& direction) const {

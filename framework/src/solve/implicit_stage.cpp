@@ -45,6 +45,11 @@ constexpr double kClose = 0.2;
 /// at most, and this often.
 constexpr double kContraction = 0.5;
 constexpr int kMostContractions = 8;
+/// A tangent serves twice where a correction after it was this part of it, at most.
+constexpr double kGoodContraction = 0.15;
+/// Part of the forces at work that may be left before a last correction: what it leaves of forces
+/// makes no large displacements, but the next step's guess worse, and so on.
+constexpr double kCalm = 0.1;
 
 /// Has strains measured as a stage wants them while it lives, however the stage ends.
 class StrainsOfAStage {
@@ -69,9 +74,10 @@ class FirstContraction {
   void begin_stage(double tau) {
     if (tau > tau_ * (1 + 1e-9)) theta_ = 1;
     tau_ = tau;
-    theta_ = std::pow(theta_, kFade);
   }
   void measure(double theta) { theta_ = theta; }
+  /// A stage ends that did not measure it.
+  void fade() { theta_ = std::pow(theta_, kFade); }
   [[nodiscard]] double theta() const { return theta_; }
 
   void save(Memory& memory) const { memory.put("contraction", {theta_, tau_}); }
@@ -95,6 +101,8 @@ struct ImplicitStage::Impl {
   [[nodiscard]] bool contract(System& system, State& state);
   [[nodiscard]] std::string iterate(System& system, State& state);
   [[nodiscard]] double evaluate(System& system, State& state);
+  [[nodiscard]] double evaluate_residual(System& system, State& state);
+  void report(System& system, double norm) const;
   [[nodiscard]] bool is_converged(State& state, double norm);
   [[nodiscard]] std::string find_direction(State& state, std::int64_t iteration, double relative);
   void step(System& system, State& state);
@@ -131,10 +139,12 @@ struct ImplicitStage::Impl {
 
 /// Newton's method by its corrections alone, from the guess; false where they do not shrink fast
 /// enough, the state being the guess again. The first tangent is the projected one: far from the
-/// solution the exact one is no better, and often indefinite.
+/// solution the exact one is no better, and often indefinite. It serves the second correction, too,
+/// where earlier ones shrank well.
 bool ImplicitStage::Impl::contract(System& system, State& state) {
   guess = state.r;
-  double last = kInfinity;
+  double last = kInfinity, theta = first_contraction.theta();
+  bool renews = false;  // the tangent, for the last correction was none
   equation.begin_way(state);
   system.step_report().residuals.clear();
   leaps = false;
@@ -142,15 +152,27 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
   try {
     for (int i = 0; i < kMostContractions; ++i, next = Tangent::exact) {
       const Span span("Newton iteration");
-      if (evaluate(system, state) <= settings.tolerance * equation.scale()) return true;
+      const bool keeps_tangent = i == 1 && !renews && theta <= kGoodContraction;
+      const double norm =
+          keeps_tangent ? evaluate_residual(system, state) : evaluate(system, state);
+      if (norm <= settings.tolerance * equation.scale()) return true;
       ++system.step_report().iterations;
-      if (!equation.find_direction(state, kind, direction).empty()) break;
+      const std::string reason = keeps_tangent ? equation.find_direction_again(direction)
+                                               : equation.find_direction(state, kind, direction);
+      if (!reason.empty()) break;
       const double correction = system.root_mean_square(direction);
-      if (i == 1) first_contraction.measure(correction / last);
-      const double theta = i > 0 ? correction / last : first_contraction.theta();
+      if (i > 0) theta = correction / last;
+      renews = keeps_tangent && !(theta <= kContraction);
+      if (renews) continue;
+      if (i == 1) first_contraction.measure(theta);
       if (i > 0 && !(theta <= kContraction)) break;
       state.r += direction;
-      if (theta * correction <= (1 - theta) * settings.newton_error * equation.size()) return true;
+      const bool is_close =
+          theta * correction <= (1 - theta) * settings.newton_error * equation.size();
+      if (is_close && norm <= kCalm * equation.scale()) {
+        if (i == 0) first_contraction.fade();
+        return true;
+      }
       last = correction;
     }
   } catch (const NotFinite&) {
@@ -177,20 +199,32 @@ void ImplicitStage::Impl::choose_guess(System& system, const Stage& stage, State
   begun = equation.merit(state);
 }
 
+/// Forces at the state; the residual.
+double ImplicitStage::Impl::evaluate_residual(System& system, State& state) {
+  const double norm = equation.evaluated_residual(state);
+  report(system, norm);
+  return norm;
+}
+
+void ImplicitStage::Impl::report(System& system, double norm) const {
+  const double relative = !std::isfinite(norm)   ? kInfinity
+                          : equation.scale() > 0 ? norm / equation.scale()
+                                                 : 0;
+  system.step_report().residual = relative;
+  system.step_report().residuals.push_back(relative);
+}
+
 /// Forces and tangent at the state; the residual, infinite where there is none.
 double ImplicitStage::Impl::evaluate(System& system, State& state) {
   kind = next;
-  double norm = kInfinity, relative = kInfinity;
+  double norm = kInfinity;
   try {
     equation.evaluate(state, kind, before);
     norm = equation.residual(state);
-    relative = equation.scale() > 0 ? norm / equation.scale() : 0;
   } catch (const NotFinite&) {
     if (!leaps || patience == 0) throw;
   }
-  StepReport& report = system.step_report();
-  report.residual = relative;
-  report.residuals.push_back(relative);
+  report(system, norm);
   return norm;
 }
 

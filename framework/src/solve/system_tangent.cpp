@@ -133,7 +133,6 @@ void System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
 std::string System::solve_tangent_to(double tolerance, const NodeValues& d, const NodeVectors& b,
                                      NodeVectors& x) {
   require_finite(d, "what is added to the tangent", "the integrator", "");
-  require_finite(b, "the right-hand side", "the integrator", "");
   impl_->make_tangent_solver();
   TangentSolver& solver = *impl_->tangent_solver;
   std::string reason;
@@ -141,9 +140,14 @@ std::string System::solve_tangent_to(double tolerance, const NodeValues& d, cons
     const Stopwatch watch(impl_->times.factorisation, "preparing the solver");
     reason = solver.factor_to_tolerance(impl_->tangent, d, std::exchange(impl_->renews, false));
   }
-  if (!reason.empty()) return reason;
+  return reason.empty() ? solve_tangent_again(tolerance, b, x) : reason;
+}
+
+std::string System::solve_tangent_again(double tolerance, const NodeVectors& b, NodeVectors& x) {
+  require_finite(b, "the right-hand side", "the integrator", "");
+  TangentSolver& solver = *impl_->tangent_solver;
   const Stopwatch watch(impl_->times.solve, "solve");
-  reason = solver.solve_to_tolerance(tolerance, b, x);
+  std::string reason = solver.solve_to_tolerance(tolerance, b, x);
   impl_->report.solver_iterations += solver.iterations();
   return reason;
 }

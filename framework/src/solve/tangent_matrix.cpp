@@ -5,6 +5,11 @@
 #include "deform/parallel.h"
 
 namespace deform {
+namespace {
+
+constexpr Index kRowsAtOnce = 8;
+
+}  // namespace
 
 void TangentMatrix::gather(const TangentSchedule::Group& group, const double* h, double* rows,
                            BlockMatrix& k, bool adds) const {
@@ -18,12 +23,14 @@ void TangentMatrix::gather(const TangentSchedule::Group& group, const double* h,
     (width == 1 ? add_to_row : add_to_rows)(plan, h, places, rows);
     places += plan.samples.size();
   }
-  for (Index q = 0; q < group.size; ++q) {
-    double* const to = k.value.data() + 9 * Index{begin[q]};
-    if (adds)
-      for (Index i = 0; i < numbers; ++i) to[i] += rows[i * width + q];
-    else
-      for (Index i = 0; i < numbers; ++i) to[i] = rows[i * width + q];
+  // A few rows at a time: the lines of cache that are read and those that are written stay there.
+  for (Index first = 0; first < group.size; first += kRowsAtOnce) {
+    const Index end = std::min(first + kRowsAtOnce, group.size);
+    for (Index i = 0; i < numbers; ++i)
+      for (Index q = first; q < end; ++q) {
+        double& to = k.value[static_cast<std::size_t>(9 * Index{begin[q]} + i)];
+        to = (adds ? to : 0) + rows[i * width + q];
+      }
   }
 }
 

@@ -12,8 +12,10 @@ namespace deform {
 enum class Form : std::uint8_t { metric, curvature };
 
 /// C_ab of a block's samples, a and b from 11, 12, 22; symmetric.
-class FormStiffness {
+class DEFORM_API FormStiffness {
  public:
+  // Not cleared: a block's samples are set one and all.
+  FormStiffness() {}  // NOLINT(modernize-use-equals-default)
   [[nodiscard]] double& operator()(Pair a, Pair b, Index sample) {
     return c_[place(a, b)][static_cast<std::size_t>(sample)];
   }
@@ -22,6 +24,9 @@ class FormStiffness {
   }
   /// C_ab at all samples.
   [[nodiscard]] const double* values(Pair a, Pair b) const { return c_[place(a, b)].data(); }
+  /// Those of factor · √det G⁰ [(1 − ν) tr(M²) + ν tr(M)²], M = G⁰⁻¹ X, as a quadratic form of X:
+  /// an isotropic material; `factor`: one number a sample of the block.
+  void set_isotropic(const GeometryBlock& rest, const double* factor, double nu);
   /// The symmetric matrix of one sample.
   void set(Index sample, const Eigen::Matrix3d& c) {
     for (const Pair a : kPairs)
@@ -34,7 +39,7 @@ class FormStiffness {
     const int i = slot(a) < slot(b) ? slot(a) : slot(b), j = slot(a) + slot(b) - i;
     return static_cast<std::size_t>(i == 0 ? j : i + j + 1);  // 00 01 02 11 12 22
   }
-  std::array<std::array<double, kBlock>, 6> c_{};
+  std::array<std::array<double, kBlock>, 6> c_;
 };
 
 /// A density w = ½ Σ_ab C_ab (T_a − T⁰_a)(T_b − T⁰_b) per parameter area [J/m²] for T = G or B; the

@@ -186,6 +186,9 @@ class DEFORM_API System {
   /// "" or why the matrix is not positive definite.
   [[nodiscard]] std::string solve_tangent_to(double tolerance, const NodeValues& d,
                                              const NodeVectors& b, NodeVectors& x);
+  /// Solves once more with the matrix of the last `solve_tangent_to`.
+  [[nodiscard]] std::string solve_tangent_again(double tolerance, const NodeVectors& b,
+                                                NodeVectors& x);
   /// Takes a direction d from r (both N × 3 [m]) for steps that turn parts of the surface by finite
   /// angles where r + s d would stretch them (Huang et al. 2011). Returns d's largest angle [rad].
   double aim(const NodeVectors& r, const NodeVectors& d);
