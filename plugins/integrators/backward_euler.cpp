@@ -25,20 +25,20 @@ class BackwardEuler final : public ImplicitIntegrator {
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
-    const Stage stage{.r_base = from.r,
-                      .v_base = from.v,
-                      .tau = h,
-                      .time = just_before(end, h),
-                      .start = from.r,
-                      .end = end,
-                      .by_strains = true};
+    stage_.r_base = stage_.start = from.r;
+    stage_.v_base = from.v;
+    stage_.tau = h;
+    stage_.time = just_before(end, h);
+    stage_.end = end;
+    stage_.by_strains = true;
     // v⁺ = v + h a, a being about that of the last step.
-    to.r = last_.extrapolated(from, h, 1.0);
+    last_.extrapolate(from, h, 1.0, to.r);
     system.prescribe(end, to.r);
-    std::string failure = newton_.solve(system, stage, to);
+    std::string failure = newton_.solve(system, stage_, to);
     to.time = end;
     // r(t + h) = r + h v⁺ − h² r̈/2 + …, with r̈ = (v⁺ − v)/h.
-    return {std::move(failure), h / 2 * (to.v - from.v), newton_.resolves_contacts()};
+    return {std::move(failure), with_error() ? NodeVectors(h / 2 * (to.v - from.v)) : NodeVectors(),
+            newton_.resolves_contacts()};
   }
   [[nodiscard]] int local_order() const override { return 2; }
 

@@ -39,32 +39,34 @@ class Bdf2 final : public ImplicitIntegrator {
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
-    Stage stage{.r_base = from.r,
-                .v_base = from.v,
-                .tau = h,
-                .time = just_before(end, h),
-                .start = from.r,
-                .end = end,
-                .by_strains = true};
+    stage_.r_base = stage_.start = from.r;
+    stage_.v_base = from.v;
+    stage_.tau = h;
+    stage_.time = just_before(end, h);
+    stage_.end = end;
+    stage_.by_strains = true;
+    stage_.s = 0;
     const double omega = has_before_ ? h / (from.time - before_.time) : 0;
     const bool goes_on = has_before_ && omega <= kMostGrowth * (1 + 1e-9);
     if (goes_on) {
       const double now = (1 + omega) * (1 + omega) / (1 + 2 * omega);
       const double earlier = omega * omega / (1 + 2 * omega);
-      stage.r_base = now * from.r - earlier * before_.r;
-      stage.v_base = now * from.v - earlier * before_.v;
-      stage.tau = h * (1 + omega) / (1 + 2 * omega);
-      stage.s = -earlier;
-      stage.earlier = before_.r;
+      stage_.r_base = now * from.r - earlier * before_.r;
+      stage_.v_base = now * from.v - earlier * before_.v;
+      stage_.tau = h * (1 + omega) / (1 + 2 * omega);
+      stage_.s = -earlier;
+      stage_.earlier = before_.r;
     }
-    to.r = error_.extrapolated(from, h);
+    error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, to.r);
     system.prescribe(end, to.r);
-    std::string failure = newton_.solve(system, stage, to);
+    std::string failure = newton_.solve(system, stage_, to);
     if (!failure.empty()) return {std::move(failure), {}, false};
     to.time = end;
     const double C = (1 + omega) * (1 + omega) / (6 * omega * (1 + 2 * omega));
-    return {"", goes_on ? error_.of(from, to, h, C) : NodeVectors(h / 2 * (to.v - from.v)),
-            newton_.resolves_contacts()};
+    Attempt done{"", {}, newton_.resolves_contacts()};
+    if (with_error())
+      done.error = goes_on ? error_.of(from, to, h, C) : NodeVectors(h / 2 * (to.v - from.v));
+    return done;
   }
   [[nodiscard]] int local_order() const override { return has_before_ ? 3 : 2; }
 

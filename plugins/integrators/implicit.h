@@ -49,6 +49,7 @@ class ImplicitIntegrator : public SteppedIntegrator {
   void forget() override { newton_.forget(); }
 
   ImplicitStage newton_;
+  Stage stage_;  // of the last attempt: kept for its memory
 };
 
 }  // namespace deform

@@ -27,17 +27,16 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
-    const Stage stage{.r_base = from.r,
-                      .v_base = from.v,
-                      .tau = h / 2,
-                      .time = from.time + h / 2,
-                      .start = from.r,
-                      .end = end,
-                      .reach = 2};
-    NodeVectors target = error_.extrapolated(from, h);
-    system.prescribe(end, target);
-    to.r = 0.5 * (from.r + target);
-    std::string failure = newton_.solve(system, stage, to);
+    stage_.r_base = stage_.start = from.r;
+    stage_.v_base = from.v;
+    stage_.tau = h / 2;
+    stage_.time = from.time + h / 2;
+    stage_.end = end;
+    stage_.reach = 2;
+    error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, target_);
+    system.prescribe(end, target_);
+    to.r = 0.5 * (from.r + target_);
+    std::string failure = newton_.solve(system, stage_, to);
     if (!failure.empty()) return {std::move(failure), {}, false};
     to.r = 2 * to.r - from.r;
     to.v = 2 * to.v - from.v;
@@ -45,7 +44,8 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
     stop_what_touches(from, h, to);
     system.prescribe(end, to.r);
     system.prescribe_velocity(end, to.v);
-    return {"", error_.of(from, to, h, 1.0 / 12), newton_.resolves_contacts()};
+    return {"", with_error() ? error_.of(from, to, h, 1.0 / 12) : NodeVectors(),
+            newton_.resolves_contacts()};
   }
   [[nodiscard]] int local_order() const override { return 3; }
   void accept(const State& from, const State& to) override { error_.accept(from, to); }
@@ -67,6 +67,7 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
   }
 
   SecondOrderError error_;
+  NodeVectors target_;  // guess of the step's end
 };
 
 }  // namespace

@@ -3,6 +3,17 @@
 namespace {
 using namespace deform;
 
+struct Parameters {
+  double tolerance = 1e-6;
+  static void declare(Declaration<Parameters>& d) {
+    d("tolerance", &Parameters::tolerance, "1",
+      "of a step's increment, where the linear solver is iterative: relative error that it may "
+      "leave")
+        .above(0)
+        .at_most(0.1);
+  }
+};
+
 /// The semi-implicit step of Terzopoulos et al. (1987) for (16), with K, c and the loads of the
 /// known state:
 ///   (K + mu/dt² + gamma/(2dt)) r⁺ = f + c + (mu/dt² + gamma/(2dt)) r + (mu/dt − gamma/2) v,
@@ -10,7 +21,7 @@ using namespace deform;
 /// right-hand side is the total force: the same step, less rounding.
 class SemiImplicit final : public Integrator {
  public:
-  SemiImplicit(const NoParameters& /*parameters*/, const Setup& /*setup*/) {}
+  SemiImplicit(const Parameters& p, const Setup& /*setup*/) : tolerance_(p.tolerance) {}
 
   void advance(System& system, State& state, double step) override {
     system.evaluate_with_operator(state);
@@ -22,10 +33,10 @@ class SemiImplicit final : public Integrator {
     right_ = system.force();
     for (int i = 0; i < 3; ++i) right_.col(i) += momentum_.cwiseProduct(state.v.col(i));
 
-    target_ = state.r;
+    target_ = state.r + step * state.v;
     system.prescribe(state.time + step, target_);
-    increment_ = target_ - state.r;  // of the prescribed components; the others are solved for
-    system.solve(diagonal_, right_, increment_);
+    increment_ = target_ - state.r;  // of the prescribed components; of the others a guess
+    system.solve(diagonal_, right_, increment_, tolerance_);
     state.r += increment_;
     state.v = increment_ / step;
     state.time += step;
@@ -33,13 +44,14 @@ class SemiImplicit final : public Integrator {
   }
 
  private:
+  double tolerance_;
   NodeValues diagonal_, momentum_;
   NodeVectors right_, target_, increment_;
 };
 
 }  // namespace
 
-DEFORM_PLUGIN(SemiImplicit, NoParameters, .name = "semi_implicit", .version = "1.0",
+DEFORM_PLUGIN(SemiImplicit, Parameters, .name = "semi_implicit", .version = "1.0",
               .summary = "one linear solve a step with the lagged operator",
               .formula = "(K + mu/dt² + gamma/(2dt)) (r⁺ − r) = f(r) + (mu/dt − gamma/2) v",
               .source = "Terzopoulos et al. 1987; Wu & Melo (16)")

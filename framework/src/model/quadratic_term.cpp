@@ -105,6 +105,20 @@ DEFORM_KERNEL void add_values(Index size, const double* __restrict x, double* __
   for (Index s = 0; s < size; ++s) out[s] += x[s];
 }
 
+/// Where C is diagonal, second derivatives do not couple.
+const std::vector<Coupling>& couplings_of_curvature(bool is_diagonal) {
+  using enum Derivative;
+  static const std::vector<Coupling> all = couplings_among({d1, d2, d11, d12, d22});
+  static const std::vector<Coupling> some = [] {
+    std::vector<Coupling> found;
+    for (const Pair ij : kPairs)
+      for (const Coupling& c : couplings_among({second(ij), d1, d2}))
+        if (std::ranges::find(found, c) == found.end()) found.push_back(c);
+    return found;
+  }();
+  return is_diagonal ? some : all;
+}
+
 void add_metric_tangent(const SampleBlock& block, const FormStiffness& C, Tangent kind,
                         const JetTangent& h) {
   const Index size = block.size();
@@ -175,12 +189,7 @@ void QuadraticTerm::energy_density(const SampleBlock& block, Values density) con
 std::vector<Coupling> QuadraticTerm::couplings() const {
   using enum Derivative;
   if (form_ == Form::metric) return couplings_among({d1, d2});
-  if (!is_diagonal()) return couplings_among({d1, d2, d11, d12, d22});
-  std::vector<Coupling> all;
-  for (const Pair ij : kPairs)
-    for (const Coupling& c : couplings_among({second(ij), d1, d2}))
-      if (std::ranges::find(all, c) == all.end()) all.push_back(c);
-  return all;
+  return couplings_of_curvature(is_diagonal());
 }
 
 void QuadraticTerm::affine_stress(const SampleBlock& block, const AffineStress& sigma) const {
@@ -211,7 +220,7 @@ void QuadraticTerm::add_curvature_stress(const SampleBlock& block, const FormSti
   const Index size = block.size();
   const CurvatureRows L(block.now);
   BlockValues values;
-  for (const auto& [m, n] : couplings()) {
+  for (const auto& [m, n] : couplings_of_curvature(is_diagonal())) {
     L.quadratic(C, std::min(slot(m), slot(n)) - 1, std::max(slot(m), slot(n)) - 1, values);
     add_values(size, values.data(), sigma.k(m, n).data());
   }

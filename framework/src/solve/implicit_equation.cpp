@@ -96,9 +96,9 @@ void ImplicitEquation::evaluate(State& state, Tangent kind, const NodeVectors& b
 
 double ImplicitEquation::residual(const State& state) {
   left_ = -(mass_.asDiagonal() * (state.r - inertial_));
-  const NodeVectors damped = -(damping_.asDiagonal() * (state.r - stage_->r_base));
-  scale_ = std::max({left_.norm(), damped.norm(), system_->force().norm()});
-  left_ += damped + system_->force();
+  damped_ = -(damping_.asDiagonal() * (state.r - stage_->r_base));
+  scale_ = std::max({left_.norm(), damped_.norm(), system_->force().norm()});
+  left_ += damped_ + system_->force();
   if (contacts_begun_) contacts_.add_force(left_);
   system_->reduce_force(left_);
   return left_.norm();

@@ -84,6 +84,7 @@ class ImplicitEquation {
   NodeValues diagonal_;        // their sum
   NodeVectors inertial_;       // r_base + τ v_base
   NodeVectors left_;           // what is left over [N]
+  NodeVectors damped_;         // −Γ (r − r_base)/τ [N]
   Way way_;
 };
 

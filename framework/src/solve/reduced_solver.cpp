@@ -117,7 +117,8 @@ void ReducedSolver::make_right_hand_side(Group& group, const SparseMatrix& k, co
 }
 
 void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues& d,
-                          const NodeVectors& b, NodeVectors& x, StepTimes& times) {
+                          const NodeVectors& b, NodeVectors& x, double tolerance,
+                          StepTimes& times) {
   if (version != factored_version_ || d != factored_d_) {
     const Stopwatch watch(times.factorisation, "factorisation");
     factored_version_ = -1;
@@ -126,13 +127,17 @@ void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues&
     factored_d_ = d;
   }
   const Stopwatch watch(times.solve, "solve");
-  for (const Group& group : groups_)
-    for (const int c : group.components)
-      for (const Index node : group.free) x(node, c) = 0;
+  for (Group& group : groups_)
+    for (std::size_t j = 0; j < group.components.size(); ++j)
+      for (std::size_t q = 0; q < group.free.size(); ++q) {
+        double& free = x(group.free[q], group.components[j]);
+        group.solution(static_cast<Index>(q), static_cast<Index>(j)) = free;
+        free = 0;
+      }
   map_->complete_changes(x);
   for (Group& group : groups_) {
     make_right_hand_side(group, k, d, b, x);
-    group.solvers->solve(group.rhs, group.solution);
+    group.solvers->improve(group.rhs, tolerance, group.solution);
     if (const Index q = first_not_finite(group.solution); q >= 0 && group.rhs.allFinite())
       throw NotFinite("the solution of " + group.solvers->in_use().origin + " is not finite",
                       group.free[static_cast<std::size_t>(q)], group.solvers->in_use().name);

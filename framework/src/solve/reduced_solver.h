@@ -21,9 +21,10 @@ class ReducedSolver {
   ReducedSolver(const ReductionMap& map, const SparseMatrix& pattern, bool symmetric,
                 const SolverQueue::MakeSolvers& make_solvers);
 
-  /// `version` changes whenever K's values do. Prescribed entries of x are given.
+  /// `version` changes whenever K's values do. Prescribed entries of x are given, the others a
+  /// guess (LinearSolver::improve).
   void solve(const SparseMatrix& k, long version, const NodeValues& d, const NodeVectors& b,
-             NodeVectors& x, StepTimes& times);
+             NodeVectors& x, double tolerance, StepTimes& times);
   [[nodiscard]] const std::string& choice() const { return choice_; }
 
  private:

@@ -74,10 +74,19 @@ void SolverQueue::log_handover(std::size_t from, const std::string& reason) {
 }
 
 void SolverQueue::solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x) {
+  solve_by([&](LinearSolver& solver) { solver.solve(b, x); });
+}
+
+void SolverQueue::improve(const Eigen::MatrixXd& b, double tolerance, Eigen::MatrixXd& x) {
+  solve_by([&](LinearSolver& solver) { solver.improve(b, tolerance, x); });
+}
+
+template <class Solve>
+void SolverQueue::solve_by(const Solve& solve) {
   for (;;) {
     const Named<LinearSolver>& solver = in_use();
     try {
-      return guarded(solver.origin, "solving", [&] { solver.object->solve(b, x); });
+      return guarded(solver.origin, "solving", [&] { solve(*solver.object); });
     } catch (const Error& e) {
       // An iterative solver finds out only here that it cannot.
       const bool can_go_on = e.code() == ExitCode::diverged && in_use_ + 1 < solvers_.size();

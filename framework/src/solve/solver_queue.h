@@ -23,11 +23,15 @@ class SolverQueue {
   [[nodiscard]] std::string factor_with_first(const SparseMatrix& a);
   /// Throws Error with ExitCode::diverged when none can.
   void solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x);
+  /// From a guess, to a tolerance, where the solver can (LinearSolver::improve).
+  void improve(const Eigen::MatrixXd& b, double tolerance, Eigen::MatrixXd& x);
   [[nodiscard]] const Named<LinearSolver>& in_use() const { return solvers_[in_use_]; }
   /// "cholmod (matrix symmetric, 361 unknowns, 4000 entries)".
   [[nodiscard]] std::string choice(const SparseMatrix& a) const;
 
  private:
+  template <class Solve>
+  void solve_by(const Solve& solve);
   [[nodiscard]] std::string factor_with(std::size_t i, const SparseMatrix& a);
 
   [[nodiscard]] std::string factor_from(std::size_t i);

@@ -7,4 +7,9 @@ Integrator::~Integrator() = default;
 LinearSolver::~LinearSolver() = default;
 BlockSolver::~BlockSolver() = default;
 
+void LinearSolver::improve(const Eigen::Ref<const Eigen::MatrixXd>& b, double /*tolerance*/,
+                           Eigen::Ref<Eigen::MatrixXd> x) {
+  solve(b, x);
+}
+
 }  // namespace deform

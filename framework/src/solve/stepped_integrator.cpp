@@ -86,8 +86,7 @@ void SteppedIntegrator::advance_fixed(System& system, State& state, double step)
   while (done < step) {
     double h = std::min({part, step - done, system.longest_step(state.time)});
     if (step - done - h < kRoundingOfTime * step) h = step - done;
-    State to;
-    const Attempt attempt = try_step(system, state, h, to);
+    const Attempt attempt = try_step(system, state, h, to_);
     if (!attempt.failure.empty()) {
       ++system.step_report().rejected;
       part = h;
@@ -95,11 +94,11 @@ void SteppedIntegrator::advance_fixed(System& system, State& state, double step)
       shorten(part, longest_, attempt.failure);
       continue;
     }
-    accept(state, to);
+    accept(state, to_);
     count(system, h);
     halvings_ = 0;
     done = h == step - done ? step : done + h;
-    state = std::move(to);
+    std::swap(state, to_);
     state.time = done == step ? end : begin + done;
     if (++taken % kBeforeLonger == 0) part = std::min(2 * part, step);
   }
@@ -114,8 +113,7 @@ void SteppedIntegrator::advance_adaptive(System& system, State& state, double st
   while (right_.time < end - kRoundingOfTime * step) {
     const double stood = system.longest_step(right_.time);
     double h = std::min({next_, control_.largest_step, stood});
-    State to;
-    const Attempt attempt = try_step(system, right_, h, to);
+    const Attempt attempt = try_step(system, right_, h, to_);
     if (!attempt.failure.empty()) {
       ++system.step_report().rejected;
       next_ = h;
@@ -134,14 +132,14 @@ void SteppedIntegrator::advance_adaptive(System& system, State& state, double st
                                                     h));
       continue;
     }
-    accept(right_, to);
+    accept(right_, to_);
     count(system, h);
     halvings_ = 0;
     // A step that was cut for a part of the model says nothing against the longer one.
     next_ = std::max(h < next_ ? next_ : 0.0,
                      h * (is_known ? std::clamp(wanted, kLeastChange, kMostChange) : 1));
-    left_ = std::move(right_);
-    right_ = std::move(to);
+    std::swap(left_, right_);
+    std::swap(right_, to_);
   }
   interpolate(system, end, state);
 }

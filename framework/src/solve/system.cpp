@@ -172,7 +172,10 @@ std::vector<std::string> System::notes() const {
 void System::begin_step(const State& state) {
   impl_->update_geometry(state.r);
   impl_->held = impl_->current;
+  std::vector<double> residuals = std::move(impl_->report.residuals);
+  residuals.clear();  // its memory is kept
   impl_->report = {};
+  impl_->report.residuals = std::move(residuals);
   impl_->renews = true;
 }
 void System::update_geometry(const State& state) { impl_->update_geometry(state.r); }
@@ -266,12 +269,12 @@ void System::require_promised_symmetry() {
   }
 }
 
-void System::solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x) {
+void System::solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x, double tolerance) {
   require_finite(d, "what is added to the lagged operator", "the integrator", "");
   require_finite(b, "the right-hand side", "the integrator", "");
   choose_solver();
   if (impl_->version <= 2) require_promised_symmetry();  // a rest state's operator may be 0
-  impl_->solver->solve(impl_->k, impl_->version, d, b, x, impl_->times);
+  impl_->solver->solve(impl_->k, impl_->version, d, b, x, tolerance, impl_->times);
 }
 
 void System::prescribe(double time, NodeVectors& r) const {

@@ -102,9 +102,10 @@ double System::damping_potential(const State& state) {
 }
 
 bool System::has_force_beside_potential() const {
+  if (!impl_->external.without_potential().empty()) return true;
+  if (!impl_->has_material_damping()) return false;
   const std::vector<double> factors = impl_->damping_factors(false);
-  return !impl_->external.without_potential().empty() ||
-         std::ranges::any_of(factors, [](double t) { return t > 0; });
+  return std::ranges::any_of(factors, [](double t) { return t > 0; });
 }
 
 NodeVectors System::force_beside_potential(const State& state) {

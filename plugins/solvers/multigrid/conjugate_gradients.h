@@ -10,6 +10,9 @@
 
 namespace multigrid {
 
+/// What an iteration begins with.
+enum class From { zero, guess };
+
 struct Ending {
   int iterations = 0;
   bool has_converged = false;
@@ -23,21 +26,27 @@ class ConjugateGradients {
  public:
   using Vector = std::vector<Lane>;
 
-  /// A x = b from x = 0, until the residual's norm in the preconditioner has fallen to `tolerance`
-  /// of what it was. row_times(a, y): (A y)_a; precondition(r, z): z ≈ A⁻¹ r. Sums are taken in an
-  /// order that does not depend on threads.
+  /// A x = b from a guess x, or from 0, until the residual's norm in the preconditioner has fallen
+  /// to `tolerance` of b's. row_times(a, y): (A y)_a; precondition(r, z): z ≈ A⁻¹ r. Sums are taken
+  /// in an order that does not depend on threads.
   template <class RowTimes, class Precondition>
   Ending solve(const RowTimes& row_times, const Precondition& precondition, const Vector& b,
-               Vector& x, double tolerance, int most) {
+               Vector& x, double tolerance, int most, From from = From::zero) {
     const auto n = static_cast<Index>(b.size());
     r_ = b;
-    x.assign(b.size(), {});
     q_.resize(b.size());
     precondition(r_, z_);
-    p_ = z_;
     double rz = product(r_, z_);
     const double goal = tolerance * tolerance * rz;
-    Ending end{0, rz == 0, !(rz >= 0)};
+    if (from == From::guess) {
+      each(n, [&](std::size_t a) { r_[a] -= row_times(static_cast<Index>(a), x); });
+      precondition(r_, z_);
+      rz = product(r_, z_);
+    } else {
+      x.assign(b.size(), {});
+    }
+    p_ = z_;
+    Ending end{0, rz <= goal, !(rz >= 0)};
     while (!end.has_converged && !end.is_indefinite && end.iterations < most) {
       const double curvature = sum(n, [&](std::size_t a) {
         q_[a] = row_times(static_cast<Index>(a), p_);

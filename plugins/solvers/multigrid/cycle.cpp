@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <Eigen/Cholesky>
-
 namespace multigrid {
 namespace {
 
@@ -55,7 +53,8 @@ void Cycle<Entry>::factor_coarsest() {
   const Index n = level.pattern.nodes;
   if (n > kDirect) return;
   constexpr Index kComponents = Entry::kColumns;
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(kComponents * n, kComponents * n);
+  Eigen::MatrixXd& a = coarsest_;
+  a.setZero(kComponents * n, kComponents * n);
   for (Index row = 0; row < n; ++row)
     for (auto p = level.pattern.begin[static_cast<std::size_t>(row)];
          p < level.pattern.begin[static_cast<std::size_t>(row) + 1]; ++p) {
@@ -68,8 +67,12 @@ void Cycle<Entry>::factor_coarsest() {
     }
   for (Index i = 0; i < a.rows(); ++i)
     if (!(a(i, i) > 0)) a.row(i).setZero(), a.col(i).setZero(), a(i, i) = 1;  // held
-  a = (0.5 * (a + a.transpose())).eval();
-  inverse_ = a.llt().solve(Eigen::MatrixXd::Identity(a.rows(), a.cols())).template cast<float>();
+  for (Index i = 0; i < a.rows(); ++i)
+    for (Index j = 0; j < i; ++j) a(i, j) = a(j, i) = 0.5 * (a(i, j) + a(j, i));
+  factor_.compute(a);
+  exact_inverse_.setIdentity(a.rows(), a.cols());
+  factor_.solveInPlace(exact_inverse_);
+  inverse_ = exact_inverse_.template cast<float>();
   f_.resize(inverse_.rows());
   x_.resize(inverse_.rows());
 }

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "galerkin.h"
@@ -38,6 +39,8 @@ class Cycle {
   std::vector<Level<Entry>> levels_;
   std::vector<Galerkin> between_;  // level and the next
   Finest treatment_;
+  Eigen::MatrixXd coarsest_, exact_inverse_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::MatrixXf inverse_;  // of the coarsest level
   Eigen::VectorXf f_, x_;
 };

@@ -50,7 +50,13 @@ class Multigrid final : public LinearSolver, public BlockSolver {
     return "";
   }
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) override {
-    const std::string reason = scalar_->solve(b, p_.tolerance, most(), x);
+    x.setZero();
+    improve(b, p_.tolerance, x);
+  }
+
+  void improve(const Eigen::Ref<const Eigen::MatrixXd>& b, double tolerance,
+               Eigen::Ref<Eigen::MatrixXd> x) override {
+    const std::string reason = scalar_->improve(b, tolerance, most(), x);
     if (!reason.empty()) throw Error(ExitCode::diverged, "multigrid: " + reason);
   }
 

@@ -42,6 +42,7 @@ ScalarSystem::ScalarSystem(const deform::SparseMatrix& pattern, std::span<const 
   cycle_.emplace(pattern_of(pattern, nodes, total), masks_of(nodes, total), coarsening,
                  Finest::smoothed);
   b_.resize(node_.size());
+  x_.resize(node_.size());
 }
 
 void ScalarSystem::factor(const deform::SparseMatrix& a) {
@@ -59,15 +60,19 @@ void ScalarSystem::factor(const deform::SparseMatrix& a) {
   cycle_->renew(true);
 }
 
-std::string ScalarSystem::solve(const Eigen::Ref<const Eigen::MatrixXd>& b, double tolerance,
-                                int most, Eigen::Ref<Eigen::MatrixXd> x) {
-  x.setZero();
+std::string ScalarSystem::improve(const Eigen::Ref<const Eigen::MatrixXd>& b, double tolerance,
+                                  int most, Eigen::Ref<Eigen::MatrixXd> x) {
   iterations_ = 0;
   const double largest = b.size() == 0 ? 0 : b.cwiseAbs().maxCoeff();
-  if (largest == 0) return "";
+  if (largest == 0) {
+    x.setZero();
+    return "";
+  }
   for (std::size_t q = 0; q < b_.size(); ++q)
-    for (Index c = 0; c < b.cols(); ++c)
+    for (Index c = 0; c < b.cols(); ++c) {
       b_[q].v[static_cast<std::size_t>(c)] = b(static_cast<Index>(q), c) / largest;
+      x_[q].v[static_cast<std::size_t>(c)] = x(static_cast<Index>(q), c) / largest;
+    }
   Level<Scalar>& level = cycle_->finest();
   const Ending end = gradients_.solve(
       [&](Index q, const std::vector<Triple>& y) {
@@ -95,7 +100,7 @@ std::string ScalarSystem::solve(const Eigen::Ref<const Eigen::MatrixXd>& b, doub
                   static_cast<double>(level.x[static_cast<std::size_t>(node_[q])][c]);
         });
       },
-      b_, x_, tolerance, most);
+      b_, x_, tolerance, most, x.isZero(0) ? From::zero : From::guess);
   iterations_ = end.iterations;
   if (end.is_indefinite) return "not positive definite";
   if (!end.has_converged)

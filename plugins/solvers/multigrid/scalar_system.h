@@ -39,9 +39,9 @@ class ScalarSystem {
                Index total, const std::vector<deform::Prolongation>& coarsening);
 
   void factor(const deform::SparseMatrix& a);
-  /// Up to three right-hand sides; "" or why not.
-  [[nodiscard]] std::string solve(const Eigen::Ref<const Eigen::MatrixXd>& b, double tolerance,
-                                  int most, Eigen::Ref<Eigen::MatrixXd> x);
+  /// Up to three right-hand sides, from a guess x; "" or why not.
+  [[nodiscard]] std::string improve(const Eigen::Ref<const Eigen::MatrixXd>& b, double tolerance,
+                                    int most, Eigen::Ref<Eigen::MatrixXd> x);
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:

@@ -31,6 +31,10 @@ class DEFORM_API LinearSolver : public Plugin {
   [[nodiscard]] virtual std::string factor(const SparseMatrix& a) = 0;
   /// B to X (n × k, column-major, not the same memory). Error (diverged): it cannot, try another.
   virtual void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) = 0;
+  /// The same from a guess X, only to a tolerance: X's error in a norm of the solver's choice is at
+  /// most that part of B's solution. Default: solve.
+  virtual void improve(const Eigen::Ref<const Eigen::MatrixXd>& b, double tolerance,
+                       Eigen::Ref<Eigen::MatrixXd> x);
 
   /// This solver's way with matrices of blocks; null where it has none.
   [[nodiscard]] virtual BlockSolver* blocks() { return nullptr; }

@@ -89,6 +89,7 @@ class DEFORM_API SteppedIntegrator : public Integrator {
 
   StepControl control_;
   State last_;                // that advance gave back
+  State to_;                  // end of the step that is tried
   State left_, right_;        // ends of the last step, with error control
   double next_ = 0;           // step to try next [s]; 0: not known
   double longest_ = 0;        // that a plugin asked for in the last try [s]; 0: half

@@ -173,8 +173,10 @@ class DEFORM_API System {
   /// this model's matrices.
   void choose_solver();
   /// Solves (K + diag(d)) x = b on the free degrees of freedom; prescribed entries of x (N × 3) are
-  /// given. Throws Error with ExitCode::diverged and each solver's reason when none can.
-  void solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x);
+  /// given, the others a guess, for iterative solvers, which solve to `tolerance`
+  /// (LinearSolver::improve). Throws Error with ExitCode::diverged and each solver's reason when
+  /// none can.
+  void solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x, double tolerance);
   /// Factorises Tᵀ(K + diag(d))T with the tangent of the last evaluate_with_tangent, d (N) for x, y
   /// and z alike [N/m]. Returns "" or why it is not positive definite.
   [[nodiscard]] std::string factor_tangent(const NodeValues& d);
