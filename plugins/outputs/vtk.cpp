@@ -1,5 +1,8 @@
 /// ParaView's format: one .vtp file a recorded step, and .pvd files with the times.
+#include <functional>
 #include <list>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include <deform/record/jet_terms.h>
@@ -32,7 +35,17 @@ class Collection {
     return outputs::numbered_name(stem_, step, "vtp");
   }
 
-  void add(const std::filesystem::path& folder, long step, double time) {
+  struct Text {
+    std::filesystem::path file;
+    std::string text;
+    void write() const {
+      outputs::OutputFile out(file);
+      out.write(text);
+      out.commit();
+    }
+  };
+  /// What the .pvd file is after one more frame.
+  [[nodiscard]] Text add(const std::filesystem::path& folder, long step, double time) {
     // A run that was resumed writes steps again that were written after its checkpoint.
     while (!steps_.empty() && steps_.back() >= static_cast<double>(step)) {
       steps_.pop_back();
@@ -49,9 +62,7 @@ class Collection {
       text += R"(" part="0" file=")" + file_of(static_cast<long>(steps_[i])) + "\"/>\n";
     }
     text += "</Collection>\n</VTKFile>\n";
-    outputs::OutputFile file(folder / (stem_ + ".pvd"));
-    file.write(text);
-    file.commit();
+    return {folder / (stem_ + ".pvd"), std::move(text)};
   }
 
   void save(Memory& memory) const {
@@ -72,7 +83,43 @@ class Collection {
   std::vector<double> steps_, times_;
 };
 
-/// The fields of one sample set, gathered for a frame. What a VtkPolyData refers to lives here.
+/// Copies of a frame's numbers: what a VtkPolyData refers to.
+class Copies {
+ public:
+  const double* of(ConstValues values) {
+    return numbers_.emplace_back(values.begin(), values.end()).data();
+  }
+  const double* of(std::vector<double> values) {
+    return numbers_.emplace_back(std::move(values)).data();
+  }
+  ConstVectors of(ConstVectors v, Index size) {
+    const auto copy = [&](const double* x) {
+      return of(ConstValues(x, static_cast<std::size_t>(size)));
+    };
+    return {copy(v.x), copy(v.y), copy(v.z)};
+  }
+  NodeVectors& of(NodeVectors v) { return vectors_.emplace_back(std::move(v)); }
+
+ private:
+  std::list<std::vector<double>> numbers_;
+  std::list<NodeVectors> vectors_;
+};
+
+/// One file of a frame, and the collection that it belongs to.
+struct Shot {
+  Copies copies;
+  std::optional<VtkPolyData> data;
+  std::filesystem::path file;
+  double time = 0;
+  Collection::Text collection;
+
+  void write() const {
+    data->write(file, time);
+    collection.write();
+  }
+};
+
+/// The fields of one sample set.
 class SampleFields {
  public:
   SampleFields(const SampleSet& samples, std::vector<JetTermUse> terms)
@@ -80,35 +127,35 @@ class SampleFields {
 
   [[nodiscard]] const SampleSet& samples() const { return *samples_; }
 
-  void add_to(VtkPolyData& data, const Frame& frame, bool with_geometry) {
-    kept_values_.clear();
-    kept_vectors_.clear();
+  void add_to(Shot& shot, const Frame& frame, bool with_geometry) const {
+    VtkPolyData& data = *shot.data;
     const Geometry& now = frame.system.geometry(*samples_);
-    if (with_geometry) add_geometry(data, now.all(), *samples_);
+    if (with_geometry) add_geometry(shot, now.all(), *samples_);
     // The coefficients of the step just done; at the first frame there is no previous state.
     const Geometry& lagged = frame.step == 0 ? now : frame.system.previous_geometry(*samples_);
     for (const JetTermUse& use : terms_) {
-      kept_values_.push_back(frame.system.energy_density(use.number));
-      data.add("energy_" + use.name, kept_values_.back().data());
+      data.add("energy_" + use.name, shot.copies.of(frame.system.energy_density(use.number)));
       if (use.term->normal() == nullptr) continue;
       for (const Pair ij : kPairs) {
-        estimate_normals(use, lagged, now, ij, kept_vectors_.emplace_back());
+        NodeVectors& normals = shot.copies.of(NodeVectors());
+        estimate_normals(use, lagged, now, ij, normals);
         data.add("n_" + kPairNames[static_cast<std::size_t>(slot(ij))] + "_" + use.name,
-                 rows_from(std::as_const(kept_vectors_.back()), 0));
+                 rows_from(std::as_const(normals), 0));
       }
     }
   }
 
  private:
   /// A component of B that no sample of the set has is left out: its zeros would say "flat".
-  static void add_geometry(VtkPolyData& data, const GeometryBlock& g, const SampleSet& samples) {
-    data.add("n", g.n());
+  static void add_geometry(Shot& shot, const GeometryBlock& g, const SampleSet& samples) {
+    VtkPolyData& data = *shot.data;
+    data.add("n", shot.copies.of(g.n(), g.size()));
     std::vector<const double*> G, B;
     std::vector<std::string> names_of_B;
     for (const Pair ij : kPairs) {
-      G.push_back(g.G(ij).data());
+      G.push_back(shot.copies.of(g.G(ij)));
       if (!is_anywhere(samples, second(ij))) continue;
-      B.push_back(g.B(ij).data());
+      B.push_back(shot.copies.of(g.B(ij)));
       names_of_B.push_back(kPairNames[static_cast<std::size_t>(slot(ij))]);
     }
     data.add("G", std::move(G), kPairNames);
@@ -124,8 +171,6 @@ class SampleFields {
   inline static const std::vector<std::string> kPairNames{"11", "12", "22"};
   const SampleSet* samples_;
   std::vector<JetTermUse> terms_;
-  std::list<std::vector<double>> kept_values_;
-  std::list<NodeVectors> kept_vectors_;
 };
 
 /// The samples of a set that are not the nodes, in files of their own.
@@ -148,14 +193,20 @@ class Vtk final : public Output {
     const Surface& surface = context.system.surface();
     const SampleSet& bending = surface.samples(SampleRole::bending);
     const SampleSet& membrane = surface.samples(SampleRole::membrane);
-    take(bending, terms, "samples");
-    if (&membrane != &bending) take(membrane, terms, "membrane_samples");
+    add_set(bending, terms, "samples");
+    if (&membrane != &bending) add_set(membrane, terms, "membrane_samples");
     restore();
   }
 
-  void write(const Frame& frame) override {
-    write_surface(frame);
-    for (Cloud& cloud : clouds_) write_cloud(cloud, frame);
+  void write(const Frame& frame) override { take(frame)(); }
+
+  [[nodiscard]] std::function<void()> take(const Frame& frame) override {
+    const auto shots = std::make_shared<std::list<Shot>>();
+    take_surface(frame, shots->emplace_back());
+    for (Cloud& cloud : clouds_) take_cloud(cloud, frame, shots->emplace_back());
+    return [shots] {
+      for (const Shot& shot : *shots) shot.write();
+    };
   }
 
   void end() override {}  // every frame leaves the files complete
@@ -171,7 +222,7 @@ class Vtk final : public Output {
   }
 
  private:
-  void take(const SampleSet& samples, std::vector<JetTermUse> terms, const std::string& stem) {
+  void add_set(const SampleSet& samples, std::vector<JetTermUse> terms, const std::string& stem) {
     std::erase_if(terms, [&](const JetTermUse& use) { return use.samples != &samples; });
     SampleFields fields(samples, std::move(terms));
     if (samples.samples_are_nodes())
@@ -180,25 +231,32 @@ class Vtk final : public Output {
       clouds_.push_back({std::move(fields), Collection(stem)});
   }
 
-  void write_surface(const Frame& frame) {
-    const NodeVectors displacement = frame.state.r - frame.system.rest();
-    VtkPolyData data(rows_from(frame.state.r, 0), frame.state.r.rows(), single_precision_);
-    data.polygons(frame.system.surface().faces());
-    data.add("velocity", rows_from(frame.state.v, 0));
-    data.add("displacement", rows_from(displacement, 0));
-    for (SampleFields& fields : on_nodes_)
-      fields.add_to(data, frame, &fields == &on_nodes_.front());
-    data.write(folder_ / surface_.file_of(frame.step), frame.state.time);
-    surface_.add(folder_, frame.step, frame.state.time);
+  void take_surface(const Frame& frame, Shot& shot) {
+    begin_shot(shot, frame, frame.state.r, surface_);
+    shot.data->polygons(frame.system.surface().faces());
+    shot.data->add("velocity", kept(shot, frame.state.v));
+    shot.data->add("displacement", kept(shot, frame.state.r - frame.system.rest()));
+    for (const SampleFields& fields : on_nodes_)
+      fields.add_to(shot, frame, &fields == &on_nodes_.front());
   }
 
-  void write_cloud(Cloud& cloud, const Frame& frame) {
-    const NodeVectors places = cloud.fields.samples().apply(Derivative::d0, frame.state.r);
-    VtkPolyData data(rows_from(places, 0), places.rows(), single_precision_);
-    data.vertices();
-    cloud.fields.add_to(data, frame, true);
-    data.write(folder_ / cloud.collection.file_of(frame.step), frame.state.time);
-    cloud.collection.add(folder_, frame.step, frame.state.time);
+  void take_cloud(Cloud& cloud, const Frame& frame, Shot& shot) {
+    begin_shot(shot, frame, cloud.fields.samples().apply(Derivative::d0, frame.state.r),
+               cloud.collection);
+    shot.data->vertices();
+    cloud.fields.add_to(shot, frame, true);
+  }
+
+  void begin_shot(Shot& shot, const Frame& frame, const NodeVectors& places,
+                  Collection& collection) {
+    shot.data.emplace(kept(shot, places), places.rows(), single_precision_);
+    shot.file = folder_ / collection.file_of(frame.step);
+    shot.time = frame.state.time;
+    shot.collection = collection.add(folder_, frame.step, frame.state.time);
+  }
+
+  static ConstVectors kept(Shot& shot, NodeVectors v) {
+    return rows_from(std::as_const(shot.copies.of(std::move(v))), 0);
   }
 
   // Whichever of begin and load comes last has both the collections and what they remember.

@@ -113,10 +113,12 @@ void check_output(const Subject& subject, const Terrain& terrain, int frames, Ch
   RunParts parts = make_run_parts(subject.scene(terrain), subject.registry());
   const RunContext context = make_run_context(parts, folder);
   parts.outputs->begin(context);
+  BackgroundQueue queue;
   for (int i = 0; i < frames; ++i) {
     if (i > 0) parts.simulation->step();
-    parts.outputs->record(parts.simulation->frame(), true);
+    parts.outputs->record(parts.simulation->frame(), true, queue);
   }
+  queue.drain();
   parts.outputs->end();
   const std::set<fs::path> files = files_below(folder);
   checks.holds("writes below the run's folder only", files_below(outside.path()) == files,

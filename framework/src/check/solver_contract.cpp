@@ -80,6 +80,12 @@ void check_matrices(const Subject& subject, const Terrain& terrain, bool symmetr
       checks.below(
           symmetric ? "|A x − b| / |b|, symmetric definite" : "|A x − b| / |b|, unsymmetric",
           (a * x - b).norm() / b.norm(), 1e-8);
+      if (solver->factor(sparse(a)).empty()) {
+        MatrixXd improved = x + 0.01 * x.cwiseAbs().maxCoeff() * b;
+        solver->improve(b, 1e-6, improved);
+        checks.below("|A x − b| / |b|, from a guess, tolerance 1e-6",
+                     (a * improved - b).norm() / b.norm(), 1e-4);
+      }
       const auto fresh = made();
       fresh->analyse(sparse(a), traits);
       checks.holds("remembers nothing of earlier values", solution(*fresh, a, checks) == x,

@@ -6,6 +6,11 @@ namespace deform {
 
 CompanionRun::~CompanionRun() = default;
 Output::~Output() = default;
+
+std::function<void()> Output::take(const Frame& frame) {
+  write(frame);
+  return {};
+}
 Probe::~Probe() = default;
 
 void Probe::begin(const RunContext& /*context*/) {}

@@ -164,12 +164,17 @@ bool OutputRecorder::due(long step) const {
                      [step](const Entry& entry) { return step % entry.every == 0; });
 }
 
-void OutputRecorder::record(const Frame& frame, bool all) {
+void OutputRecorder::record(const Frame& frame, bool all, BackgroundQueue& queue) {
   const Span outputs("outputs");
   for (Entry& entry : outputs_) {
     if (frame.step == entry.last || !(all || frame.step % entry.every == 0)) continue;
     const Span span(entry.output.name);
-    guarded(entry.output.origin, "writing", [&] { entry.output.object->write(frame); });
+    std::function<void()> rest =
+        guarded(entry.output.origin, "writing", [&] { return entry.output.object->take(frame); });
+    if (rest)
+      queue.add([origin = entry.output.origin, rest = std::move(rest)] {
+        guarded(origin, "writing", rest);
+      });
     entry.last = frame.step;
   }
 }

@@ -9,6 +9,7 @@
 #include "deform/record/output.h"
 #include "deform/record/probe.h"
 
+#include "parallel/background_queue.h"
 #include "simulation/part_maker.h"
 #include "simulation/probe_table.h"
 
@@ -74,8 +75,9 @@ class OutputRecorder {
  public:
   OutputRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker, const Setup& setup);
   void begin(const RunContext& context);
-  /// Writes the outputs that are due at this step, or all; none twice at a step.
-  void record(const Frame& frame, bool all);
+  /// Writes the outputs that are due at this step, or all; none twice at a step. What can wait
+  /// goes into the queue.
+  void record(const Frame& frame, bool all, BackgroundQueue& queue);
   [[nodiscard]] bool due(long step) const;
   /// What the outputs remember. Loading comes after `begin`.
   void save(Memory& memory) const;

@@ -92,6 +92,7 @@ class Recording {
   long checkpoint_step_ = -1;  // of the checkpoint in the folder
   std::optional<Diverged> divergence_;
   RunResult result_;
+  BackgroundQueue writing_;  // the last: what its jobs look at outlives it
 };
 
 Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
@@ -210,6 +211,7 @@ void Recording::save_checkpoint() {
   Simulation& simulation = *parts_.simulation;
   if (checkpoint_step_ == simulation.steps()) return;
   const Stopwatch watch(simulation.system().times().output, "checkpoint");
+  writing_.drain();  // files of earlier steps are there before what relies on them
   Checkpoint checkpoint;
   checkpoint.scene = identity_of(scene_);
   checkpoint.step = simulation.steps();
@@ -250,7 +252,7 @@ void Recording::record(bool all_probes, bool all_outputs) {
   if (!due && !all_probes && !all_outputs) return;
   apart_from_model([&](const Frame& frame) {
     parts_.probes->record(frame, all_probes);
-    parts_.outputs->record(frame, all_outputs);
+    parts_.outputs->record(frame, all_outputs, writing_);
     if (trajectory_ && (all_outputs || frame_due(frame.step))) {
       const Span span("trajectory");
       trajectory_->record(frame);
@@ -295,6 +297,7 @@ void Recording::finish() {
   if (divergence_ && divergence_->step() > parts_.simulation->steps()) {
     and_also([this] { record(true, true); });  // the last good state
   }
+  and_also([this] { writing_.drain(); });
   and_also([this] { parts_.outputs->end(); });
   if (profile_) and_also([this] { write_profile(); });
 

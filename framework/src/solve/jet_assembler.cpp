@@ -1,6 +1,7 @@
 #include "solve/jet_assembler.h"
 
 #include <algorithm>
+#include <span>
 
 #include "deform/parallel.h"
 
@@ -36,6 +37,15 @@ DEFORM_KERNEL void add_multiples(Index size, double k, const double* __restrict 
     y[i] += k * r_y[i];
     z[i] += k * r_z[i];
   }
+}
+
+/// Rows of the operator that are made at once, at most.
+constexpr Index kLanes = 32;
+
+/// s += l x.
+DEFORM_KERNEL void add_multiple(Index size, double l, const double* __restrict x,
+                                double* __restrict s) {
+  for (Index i = 0; i < size; ++i) s[i] += l * x[i];
 }
 
 /// Only what the framework has storage for may be named.
@@ -244,31 +254,77 @@ void JetAssembler::bind(const SparseMatrix& pattern) {
       slot_begin_.push_back(slot_.size());
     }
   }
+  operator_run_end_.resize(static_cast<std::size_t>(gather_.nodes()));
+  for (Index a = gather_.nodes() - 1; a >= 0; --a) {
+    const bool is_last = a + 1 == gather_.nodes() || !operator_goes_on(pattern, a);
+    operator_run_end_[static_cast<std::size_t>(a)] =
+        is_last ? a + 1 : operator_run_end_[static_cast<std::size_t>(a) + 1];
+  }
+}
+
+/// Rows whose entries are at the same places, made of samples that are alike.
+bool JetAssembler::operator_goes_on(const SparseMatrix& pattern, Index a) const {
+  if (gather_.run_end(a) == a + 1) return false;
+  const auto slots = [&](Index row) {
+    const auto first = slot_begin_[gather_.first_pair(row)];
+    const auto last = slot_begin_[gather_.first_pair(row) + gather_.row(row).samples.size()];
+    return std::span(slot_).subspan(first, last - first);
+  };
+  const auto size = [&](Index row) {
+    return pattern.row_begin[static_cast<std::size_t>(row) + 1] -
+           pattern.row_begin[static_cast<std::size_t>(row)];
+  };
+  return size(a) == size(a + 1) && std::ranges::equal(slots(a), slots(a + 1)) &&
+         std::ranges::all_of(gather_.row(a).samples,
+                             [&](std::int32_t s) { return samples_->run_end(s) > s + 1; });
+}
+
+/// Rows a … a+size−1, which are alike, at most kLanes: entry q of the k-th goes to
+/// rows[q·kLanes + k].
+void JetAssembler::add_operator_to(Index a, Index size, double* rows) const {
+  const GatherTable::Row row = gather_.row(a);
+  for (std::size_t e = 0; e < row.samples.size(); ++e) {
+    // Row a of L_mᵀ k_mn, summed over the channels m, for each derivative n …
+    std::array<std::array<double, kLanes>, kDerivatives> left;
+    std::array<bool, kDerivatives> has_part{};
+    for (std::size_t c = 0; c < couplings_.size(); ++c) {
+      const auto& [m, n] = couplings_[c];
+      const double l = row.l[e][static_cast<std::size_t>(slot(m))];
+      if (l == 0) continue;
+      auto& sum = left[static_cast<std::size_t>(slot(n))];
+      bool& has = has_part[static_cast<std::size_t>(slot(n))];
+      if (!has) std::fill_n(sum.begin(), size, 0.0);
+      has = true;
+      add_multiple(size, l, coupling(c) + row.samples[e], sum.data());
+    }
+    // … times the rows of D_n at the sample.
+    const SampleSet::Stencil at = samples_->stencil(row.samples[e]);
+    const std::uint16_t* slots = slot_.data() + slot_begin_[gather_.first_pair(a) + e];
+    for (std::size_t b = 0; b < at.nodes.size(); ++b) {
+      if (slots[b] == kNoSlot) continue;
+      for (std::size_t n = 0; n < kDerivatives; ++n)
+        if (has_part[n] && at.d[b][n] != 0)
+          add_multiple(size, at.d[b][n], left[n].data(), rows + slots[b] * kLanes);
+    }
+  }
 }
 
 void JetAssembler::add_operator(SparseMatrix& k) const {
   parallel_blocks(gather_.nodes(), kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a) {
-      const GatherTable::Row row = gather_.row(a);
-      double* values = k.value.data() + k.row_begin[static_cast<std::size_t>(a)];
-      for (std::size_t e = 0; e < row.samples.size(); ++e) {
-        // Row a of L_mᵀ k_mn, summed over the channels m, for each derivative n …
-        std::array<double, kDerivatives> left{};
-        for (std::size_t c = 0; c < couplings_.size(); ++c) {
-          const auto& [m, n] = couplings_[c];
-          left[static_cast<std::size_t>(slot(n))] +=
-              row.l[e][static_cast<std::size_t>(slot(m))] * coupling(c)[row.samples[e]];
-        }
-        // … times the rows of D_n at the sample.
-        const SampleSet::Stencil at = samples_->stencil(row.samples[e]);
-        const std::uint16_t* slots = slot_.data() + slot_begin_[gather_.first_pair(a) + e];
-        for (std::size_t b = 0; b < at.nodes.size(); ++b) {
-          if (slots[b] == kNoSlot) continue;
-          double sum = 0;
-          for (std::size_t n = 0; n < kDerivatives; ++n) sum += left[n] * at.d[b][n];
-          values[slots[b]] += sum;
-        }
-      }
+    // Kept by each thread from call to call: no allocation once it is large enough.
+    thread_local std::vector<double> rows;
+    for (Index a = first; a < first + size;) {
+      const Index end =
+          std::min({operator_run_end_[static_cast<std::size_t>(a)], first + size, a + kLanes});
+      const std::int32_t* const begin = k.row_begin.data() + a;
+      const Index width = begin[1] - begin[0];
+      rows.assign(static_cast<std::size_t>(width * kLanes), 0.0);
+      add_operator_to(a, end - a, rows.data());
+      for (Index q = 0; q < end - a; ++q)
+        for (Index i = 0; i < width; ++i)
+          k.value[static_cast<std::size_t>(begin[q] + i)] +=
+              rows[static_cast<std::size_t>(i * kLanes + q)];
+      a = end;
     }
   });
 }

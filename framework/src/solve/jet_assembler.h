@@ -73,6 +73,8 @@ class JetAssembler {
   void evaluate_block(const Geometries& g, Part part, const Term* only, Index first, Index size);
   void mark_active(const Term& t);
   void add_affine_part(const SampleBlock& block, Part part);
+  [[nodiscard]] bool operator_goes_on(const SparseMatrix& pattern, Index a) const;
+  void add_operator_to(Index a, Index size, double* rows) const;
   void add_force_of_run(Index a, Index size, NodeVectors& f) const;
   [[nodiscard]] double* coupling(std::size_t c) {
     return k_.data() + static_cast<Index>(c) * samples_->stride();
@@ -99,6 +101,7 @@ class JetAssembler {
   static constexpr std::uint16_t kNoSlot = 0xFFFF;
   std::vector<std::size_t> slot_begin_;  // of each (node, sample) pair
   std::vector<std::uint16_t> slot_;      // column places within the node's row
+  std::vector<Index> operator_run_end_;  // of the rows of the operator that are alike
 };
 
 template <class Visit>

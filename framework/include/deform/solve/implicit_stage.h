@@ -63,8 +63,8 @@ struct StageSettings {
 ///
 /// With `newton_error`, and without colliders, it first tries to do without Φ: straight steps,
 /// whose lengths ‖Δ_k‖ must shrink by a factor of two at least, until θ/(1 − θ) ‖Δ_k‖, θ =
-/// ‖Δ_k‖/‖Δ_k−1‖, is below that error (Hairer & Wanner, IV.8; Deuflhard's natural monotonicity
-/// test).
+/// ‖Δ_k‖/‖Δ_k−1‖ (at the first that of earlier stages), is below that error (Hairer & Wanner, IV.8;
+/// Deuflhard's natural monotonicity test), and forces are nearly balanced.
 ///
 /// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
 /// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;

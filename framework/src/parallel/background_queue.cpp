@@ -1,0 +1,67 @@
+#include "parallel/background_queue.h"
+
+#include <utility>
+
+namespace deform {
+namespace {
+
+/// Each waiting job keeps a frame's numbers in memory.
+constexpr std::size_t kMostJobs = 4;
+
+}  // namespace
+
+BackgroundQueue::~BackgroundQueue() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void BackgroundQueue::add(std::function<void()> job) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return jobs_.size() < kMostJobs || failure_ != nullptr; });
+  throw_failure();
+  jobs_.push_back(std::move(job));
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
+  changed_.notify_all();
+}
+
+void BackgroundQueue::drain() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return jobs_.empty(); });
+  throw_failure();
+}
+
+void BackgroundQueue::throw_failure() {
+  if (failure_ != nullptr) std::rethrow_exception(std::exchange(failure_, nullptr));
+}
+
+void BackgroundQueue::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [&] { return ends_ || !jobs_.empty(); });
+    if (jobs_.empty()) return;
+    std::function<void()>& job = jobs_.front();
+    lock.unlock();
+    std::exception_ptr thrown;
+    try {
+      job();
+      job = nullptr;  // what it keeps goes outside of the lock
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+    lock.lock();
+    if (thrown != nullptr) {
+      failure_ = thrown;
+      jobs_.clear();
+    } else {
+      jobs_.pop_front();
+    }
+    changed_.notify_all();
+  }
+}
+
+}  // namespace deform
