@@ -45,8 +45,11 @@ constexpr double kClose = 0.2;
 /// at most, and this often.
 constexpr double kContraction = 0.5;
 constexpr int kMostContractions = 8;
-/// A tangent serves twice where a correction after it was this part of it, at most.
-constexpr double kGoodContraction = 0.15;
+/// Corrections so much smaller than the first need not shrink one by one.
+constexpr double kSmall = 0.25;
+/// A tangent serves twice where in the last stage the second correction was this part of the
+/// first, at most, and if that is so again, or almost.
+constexpr double kGoodContraction = 0.15, kAlmostGood = 0.2;
 /// Part of the forces at work that may be left before a last correction: what it leaves of forces
 /// makes no large displacements, but the next step's guess worse, and so on.
 constexpr double kCalm = 0.1;
@@ -162,10 +165,11 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
       if (!reason.empty()) break;
       const double correction = system.root_mean_square(direction);
       if (i > 0) theta = correction / last;
-      renews = keeps_tangent && !(theta <= kContraction);
+      renews = keeps_tangent && !(theta <= kAlmostGood);
       if (renews) continue;
       if (i == 1) first_contraction.measure(theta);
-      if (i > 0 && !(theta <= kContraction)) break;
+      if (i == 0) longest = correction;
+      if (i > 0 && !(theta <= kContraction) && !(correction <= kSmall * longest)) break;
       state.r += direction;
       const bool is_close =
           theta * correction <= (1 - theta) * settings.newton_error * equation.size();
