@@ -102,6 +102,8 @@ struct ImplicitStage::Impl {
 
   void choose_guess(System& system, const Stage& stage, State& state);
   [[nodiscard]] bool contract(System& system, State& state);
+  [[nodiscard]] bool find_correction(State& state, bool keeps_tangent);
+  [[nodiscard]] bool is_enough(double theta, double correction, double norm) const;
   [[nodiscard]] std::string iterate(System& system, State& state);
   [[nodiscard]] double evaluate(System& system, State& state);
   [[nodiscard]] double evaluate_residual(System& system, State& state);
@@ -140,14 +142,27 @@ struct ImplicitStage::Impl {
   double longest = 0;  // of its nodes' ways [m]
 };
 
+/// A correction, by the tangent of the last one or by a new one; false where there is none.
+bool ImplicitStage::Impl::find_correction(State& state, bool keeps_tangent) {
+  return (keeps_tangent ? equation.find_direction_again(direction)
+                        : equation.find_direction(state, kind, direction))
+      .empty();
+}
+
+/// Whether a correction that shrinks the error to `theta` of it leaves as little as it may, of the
+/// error and of the residual before it.
+bool ImplicitStage::Impl::is_enough(double theta, double correction, double norm) const {
+  return theta * correction <= (1 - theta) * settings.newton_error * equation.size() &&
+         norm <= kCalm * equation.scale();
+}
+
 /// Newton's method by its corrections alone, from the guess; false where they do not shrink fast
 /// enough, the state being the guess again. The first tangent is the projected one: far from the
 /// solution the exact one is no better, and often indefinite. It serves the second correction, too,
-/// where earlier ones shrank well.
+/// where earlier ones shrank well; one that does not is none.
 bool ImplicitStage::Impl::contract(System& system, State& state) {
   guess = state.r;
-  double last = kInfinity, theta = first_contraction.theta();
-  bool renews = false;  // the tangent, for the last correction was none
+  double first = 0, last = 0, theta = first_contraction.theta();
   equation.begin_way(state);
   system.step_report().residuals.clear();
   leaps = false;
@@ -155,25 +170,21 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
   try {
     for (int i = 0; i < kMostContractions; ++i, next = Tangent::exact) {
       const Span span("Newton iteration");
-      const bool keeps_tangent = i == 1 && !renews && theta <= kGoodContraction;
+      const bool keeps_tangent = i == 1 && theta <= kGoodContraction;
       const double norm =
           keeps_tangent ? evaluate_residual(system, state) : evaluate(system, state);
       if (norm <= settings.tolerance * equation.scale()) return true;
       ++system.step_report().iterations;
-      const std::string reason = keeps_tangent ? equation.find_direction_again(direction)
-                                               : equation.find_direction(state, kind, direction);
-      if (!reason.empty()) break;
+      if (!find_correction(state, keeps_tangent)) break;
       const double correction = system.root_mean_square(direction);
+      if (i == 0) first = correction;
       if (i > 0) theta = correction / last;
-      renews = keeps_tangent && !(theta <= kAlmostGood);
-      if (renews) continue;
       if (i == 1) first_contraction.measure(theta);
-      if (i == 0) longest = correction;
-      if (i > 0 && !(theta <= kContraction) && !(correction <= kSmall * longest)) break;
+      if (keeps_tangent && !(theta <= kAlmostGood)) continue;
+      const bool shrinks = theta <= kContraction || correction <= kSmall * first;
+      if (i > 0 && !shrinks) break;
       state.r += direction;
-      const bool is_close =
-          theta * correction <= (1 - theta) * settings.newton_error * equation.size();
-      if (is_close && norm <= kCalm * equation.scale()) {
+      if (is_enough(theta, correction, norm)) {
         if (i == 0) first_contraction.fade();
         return true;
       }
