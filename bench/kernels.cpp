@@ -137,7 +137,7 @@ void solve(benchmark::State& bench) {
   long iterations = 0;
   system.begin_step(h.states[0]);
   for (auto _ : bench) (void)system.solve_tangent_again(1e-4, b, x);
-  iterations = system.step_report().solves;
+  iterations = system.step_report().solver_iterations;
   const double each = static_cast<double>(iterations) / static_cast<double>(bench.iterations());
   const Sizes s = sizes_of(h);
   const double entries = 2 * s.blocks - s.nodes;

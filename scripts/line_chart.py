@@ -2,7 +2,7 @@
 
 import math
 
-WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 760, 400, 70, 20, 220, 50
+WIDTH, HEIGHT, LEFT, TOP, RIGHT, BOTTOM = 900, 400, 70, 20, 360, 50
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#444444", "#999999"]
 
 
