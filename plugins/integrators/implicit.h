@@ -22,7 +22,8 @@ struct ImplicitParameters : StepControl {
         .at_least(1);
     d("newton_error", &ImplicitParameters::newton_error, "1",
       "of a step, that Newton's method may leave: root mean square over the mass, in sizes of the "
-      "surface, estimated from its corrections; 0: `tolerance` alone decides. 1e-4 takes two or three "
+      "surface, estimated from its corrections; 0: `tolerance` alone decides. 1e-4 takes two or "
+      "three "
       "a step where motion is resolved")
         .at_least(0)
         .at_most(0.1);

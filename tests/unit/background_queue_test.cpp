@@ -1,4 +1,6 @@
 /// Jobs in another thread: order, bounds, failures.
+#include "parallel/background_queue.h"
+
 #include <atomic>
 #include <chrono>
 #include <stdexcept>
@@ -6,8 +8,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "parallel/background_queue.h"
 
 namespace deform {
 namespace {
