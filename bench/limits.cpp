@@ -50,7 +50,7 @@ DEFORM_KERNEL double multiply_and_add(double start) {
   for (long i = 0; i < kRounds; ++i)
     for (int k = 0; k < kChains; ++k) x[k] = x[k] * a + b;
   Numbers sum{};
-  for (int k = 0; k < kChains; ++k) sum += x[k];
+  for (const Numbers& of_chain : x) sum += of_chain;
   return sum[0];
 }
 

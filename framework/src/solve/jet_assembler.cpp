@@ -302,9 +302,12 @@ void JetAssembler::add_operator_to(Index a, Index size, double* rows) const {
     const std::uint16_t* slots = slot_.data() + slot_begin_[gather_.first_pair(a) + e];
     for (std::size_t b = 0; b < at.nodes.size(); ++b) {
       if (slots[b] == kNoSlot) continue;
+      std::array<double, kLanes> sum;
+      std::fill_n(sum.begin(), size, 0.0);
       for (std::size_t n = 0; n < kDerivatives; ++n)
         if (has_part[n] && at.d[b][n] != 0)
-          add_multiple(size, at.d[b][n], left[n].data(), rows + slots[b] * kLanes);
+          add_multiple(size, at.d[b][n], left[n].data(), sum.data());
+      add_multiple(size, 1, sum.data(), rows + slots[b] * kLanes);
     }
   }
 }
@@ -318,12 +321,16 @@ void JetAssembler::add_operator(SparseMatrix& k) const {
           std::min({operator_run_end_[static_cast<std::size_t>(a)], first + size, a + kLanes});
       const std::int32_t* const begin = k.row_begin.data() + a;
       const Index width = begin[1] - begin[0];
-      rows.assign(static_cast<std::size_t>(width * kLanes), 0.0);
+      rows.resize(std::max(rows.size(), static_cast<std::size_t>(width * kLanes)));
+      const auto each = [&](const auto& action) {
+        for (Index q = 0; q < end - a; ++q)
+          for (Index i = 0; i < width; ++i)
+            action(k.value[static_cast<std::size_t>(begin[q] + i)],
+                   rows[static_cast<std::size_t>(i * kLanes + q)]);
+      };
+      each([](double of_matrix, double& of_rows) { of_rows = of_matrix; });
       add_operator_to(a, end - a, rows.data());
-      for (Index q = 0; q < end - a; ++q)
-        for (Index i = 0; i < width; ++i)
-          k.value[static_cast<std::size_t>(begin[q] + i)] +=
-              rows[static_cast<std::size_t>(i * kLanes + q)];
+      each([](double& of_matrix, double of_rows) { of_matrix = of_rows; });
       a = end;
     }
   });

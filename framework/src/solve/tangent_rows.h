@@ -1,8 +1,9 @@
 /// Rows of a tangent from second derivatives at samples: Σ_mn D_mᵀ A h_mn D_n.
 #pragma once
 
-#include <compare>
+#include <algorithm>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "deform/types.h"
@@ -16,22 +17,34 @@ struct TangentPlan {
     std::int16_t n, block;         // adds l times that block, or its transpose
     bool is_transposed, is_first;  // first: of that n, at the sample
     double l;
-    auto operator<=>(const Left&) const = default;
+    [[nodiscard]] auto key() const { return std::tie(n, block, is_transposed, is_first, l); }
   };
   struct Right {
     std::int16_t n, slot;  // slot: of a block in the row
     double d;
-    auto operator<=>(const Right&) const = default;
+    [[nodiscard]] auto key() const { return std::tie(n, slot, d); }
   };
   struct Sample {
     std::uint32_t left, left_end, right, right_end;
-    auto operator<=>(const Sample&) const = default;
+    [[nodiscard]] auto key() const { return std::tie(left, left_end, right, right_end); }
   };
 
   std::vector<Left> left;
   std::vector<Right> right;
   std::vector<Sample> samples;
-  auto operator<=>(const TangentPlan&) const = default;
+
+  /// Some order, so that equal plans can be found.
+  friend bool operator<(const TangentPlan& a, const TangentPlan& b) {
+    const auto is_before = [](const auto& x, const auto& y) {
+      return std::ranges::lexicographical_compare(
+          x, y, [](const auto& p, const auto& q) { return p.key() < q.key(); });
+    };
+    if (is_before(a.samples, b.samples)) return true;
+    if (is_before(b.samples, a.samples)) return false;
+    if (is_before(a.right, b.right)) return true;
+    if (is_before(b.right, a.right)) return false;
+    return is_before(a.left, b.left);
+  }
 };
 
 /// Rows that are made at once.
