@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <tbb/task_arena.h>
+
 #include "deform/parallel.h"
 
 namespace deform {
@@ -34,25 +36,36 @@ void TangentMatrix::gather(const TangentSchedule::Group& group, const double* h,
   }
 }
 
+void TangentMatrix::assemble_segment(const TangentSchedule::Segment& segment,
+                                     std::span<const Geometries> geometries, Tangent kind,
+                                     const std::vector<double>& factors, BlockMatrix& k,
+                                     bool adds) const {
+  const TangentSchedule& schedule = *schedule_;
+  // Kept by each thread from call to call: no allocation once they are large enough.
+  thread_local std::vector<double> h, rows;
+  h.resize(std::max(h.size(), schedule.buffer()));
+  rows.resize(std::max(rows.size(), schedule.row_buffer()));
+  for (std::size_t p = segment.piece; p < segment.piece_end; ++p) {
+    const TangentSchedule::Piece& at = schedule.pieces()[p];
+    for (std::size_t s = at.span; s < at.span_end; ++s) {
+      const TangentSchedule::Span& span = schedule.spans()[s];
+      sets_[span.set].evaluate(geometries[span.set], kind, factors, span.first, span.size,
+                               h.data() + span.place, kSampleLanes);
+    }
+    for (std::size_t g = at.group; g < at.group_end; ++g)
+      gather(schedule.groups()[g], h.data(), rows.data(), k, adds);
+  }
+}
+
 void TangentMatrix::assemble(std::span<const Geometries> geometries, Tangent kind,
                              const std::vector<double>& factors, BlockMatrix& k, bool adds) const {
-  const TangentSchedule& schedule = *schedule_;
-  parallel_blocks(static_cast<Index>(schedule.segments().size()), 1, [&](Index segment, Index) {
-    // Kept by each thread from call to call: no allocation once they are large enough.
-    thread_local std::vector<double> h, rows;
-    h.resize(std::max(h.size(), schedule.buffer()));
-    rows.resize(std::max(rows.size(), schedule.row_buffer()));
-    const auto& [piece, piece_end] = schedule.segments()[static_cast<std::size_t>(segment)];
-    for (std::size_t p = piece; p < piece_end; ++p) {
-      const TangentSchedule::Piece& at = schedule.pieces()[p];
-      for (std::size_t s = at.span; s < at.span_end; ++s) {
-        const TangentSchedule::Span& span = schedule.spans()[s];
-        sets_[span.set].evaluate(geometries[span.set], kind, factors, span.first, span.size,
-                                 h.data() + span.place, kSampleLanes);
-      }
-      for (std::size_t g = at.group; g < at.group_end; ++g)
-        gather(schedule.groups()[g], h.data(), rows.data(), k, adds);
-    }
+  const std::vector<TangentSchedule::Segment>& segments = schedule_->segments();
+  parallel_blocks(static_cast<Index>(segments.size()), 1, [&](Index i, Index /*one*/) {
+    // A plugin that waits for tasks of its own must not take another segment meanwhile: both would
+    // use the thread's buffers.
+    tbb::this_task_arena::isolate([&] {
+      assemble_segment(segments[static_cast<std::size_t>(i)], geometries, kind, factors, k, adds);
+    });
   });
 }
 

@@ -25,6 +25,9 @@ class TangentMatrix {
                 const std::vector<double>& factors, BlockMatrix& k, bool adds = false) const;
 
  private:
+  void assemble_segment(const TangentSchedule::Segment& segment,
+                        std::span<const Geometries> geometries, Tangent kind,
+                        const std::vector<double>& factors, BlockMatrix& k, bool adds) const;
   void gather(const TangentSchedule::Group& group, const double* h, double* rows, BlockMatrix& k,
               bool adds) const;
 
