@@ -68,9 +68,9 @@ class StrainsOfAStage {
   System& system_;
 };
 
-/// By how much the first correction of a stage is larger than what is left after it, from earlier
-/// stages: as measured by a second correction, or after stages without one nearer and nearer to 1
-/// (Hairer & Wanner, IV.8: θ^0.8), so that sooner or later it is measured again.
+/// θ, how large the second correction of a stage is, relative to its first, from earlier stages: as
+/// measured, or after stages without a second one nearer and nearer to 1 (Hairer & Wanner, IV.8:
+/// θ^0.8), so that sooner or later it is measured again.
 class FirstContraction {
  public:
   /// Longer stages than that of the measurement contract worse: nothing is known.
