@@ -25,12 +25,7 @@ class BackwardEuler final : public ImplicitIntegrator {
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
-    stage_.r_base = stage_.start = from.r;
-    stage_.v_base = from.v;
-    stage_.tau = h;
-    stage_.time = just_before(end, h);
-    stage_.end = end;
-    stage_.by_strains = true;
+    begin_stage(from, h);
     // v⁺ = v + h a, a being about that of the last step.
     last_.extrapolate(from, h, 1.0, to.r);
     system.prescribe(end, to.r);

@@ -39,13 +39,7 @@ class Bdf2 final : public ImplicitIntegrator {
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
-    stage_.r_base = stage_.start = from.r;
-    stage_.v_base = from.v;
-    stage_.tau = h;
-    stage_.time = just_before(end, h);
-    stage_.end = end;
-    stage_.by_strains = true;
-    stage_.s = 0;
+    begin_stage(from, h);
     const double omega = has_before_ ? h / (from.time - before_.time) : 0;
     const bool goes_on = has_before_ && omega <= kMostGrowth * (1 + 1e-9);
     if (goes_on) {

@@ -49,6 +49,17 @@ class ImplicitIntegrator : public SteppedIntegrator {
  protected:
   void forget() override { newton_.forget(); }
 
+  /// The stage of a step of backward Euler; other methods then change what differs.
+  void begin_stage(const State& from, double h) {
+    stage_.r_base = stage_.start = from.r;
+    stage_.v_base = from.v;
+    stage_.tau = h;
+    stage_.end = from.time + h;
+    stage_.time = just_before(stage_.end, h);
+    stage_.by_strains = true;
+    stage_.s = 0;
+  }
+
   ImplicitStage newton_;
   Stage stage_;  // of the last attempt: kept for its memory
 };

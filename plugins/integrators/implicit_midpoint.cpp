@@ -27,12 +27,11 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
-    stage_.r_base = stage_.start = from.r;
-    stage_.v_base = from.v;
+    begin_stage(from, h);
     stage_.tau = h / 2;
     stage_.time = from.time + h / 2;
-    stage_.end = end;
     stage_.reach = 2;
+    stage_.by_strains = false;
     error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, target_);
     system.prescribe(end, target_);
     to.r = 0.5 * (from.r + target_);
