@@ -8,9 +8,8 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
+#include "deform/kernel.h"
 #include "deform/parallel.h"
-
-#include "parallel/kernel.h"
 
 namespace {
 using deform::Index;

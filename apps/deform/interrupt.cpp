@@ -23,6 +23,8 @@ const std::atomic<bool>& watch_interrupts() {
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGHUP, &action, nullptr);  // the terminal was closed
+  // A file that may not grow any more is one that cannot be written, and says so.
+  std::signal(SIGXFSZ, SIG_IGN);
   return interrupted;
 }
 

@@ -7,10 +7,10 @@ struct Parameters {
   double tolerance = 1e-6;
   static void declare(Declaration<Parameters>& d) {
     d("tolerance", &Parameters::tolerance, "1",
-      "of a step's increment, where the linear solver is iterative: relative error that it may "
-      "leave")
+      "where the linear solver is iterative: what it may leave of the error that going on with the "
+      "old velocity would make")
         .above(0)
-        .at_most(0.1);
+        .at_most(0.01);
   }
 };
 

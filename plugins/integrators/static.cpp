@@ -168,21 +168,16 @@ class Static final : public Integrator {
     std::string reason =
         has_potential_ ? system.factor_tangent(zero_) : system.factor_jacobian(zero_);
     if (!reason.empty()) return reason;
-    if (has_potential_) {
-      system.solve_tangent(residual_, direction_);
-    } else {
-      system.solve_jacobian(residual_, direction_);
-    }
-    return "";
+    return has_potential_ ? system.solve_tangent(residual_, direction_)
+                          : system.solve_jacobian(residual_, direction_);
   }
 
   /// A direction in which the potential falls, though its Hessian is indefinite; "" or why there is
   /// none.
   [[nodiscard]] std::string projected_direction(System& system, const State& state) {
     system.evaluate_with_tangent(state, Tangent::projected);
-    std::string reason = factor_with_shift(system);
-    if (reason.empty()) system.solve_tangent(residual_, direction_);
-    return reason;
+    const std::string reason = factor_with_shift(system);
+    return reason.empty() ? system.solve_tangent(residual_, direction_) : reason;
   }
 
   /// The projected tangent may be singular (a flat sheet without tension does not resist bending

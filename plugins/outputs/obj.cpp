@@ -82,9 +82,11 @@ class Obj final : public Output {
  public:
   Obj(const NoParameters& /*parameters*/, const Setup& /*setup*/) {}
 
+  [[nodiscard]] std::string place() const override { return "obj"; }
+
   void begin(const RunContext& context) override {
-    folder_ = context.folder / "obj";
-    outputs::make_folder(folder_);
+    folder_ = context.folder / place();
+    outputs::make_folder(folder_, context.resumed_at);
   }
 
   void write(const Frame& frame) override {

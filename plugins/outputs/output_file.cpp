@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstring>
 #include <system_error>
+#include <vector>
 
 #include <deform/error.h>
 
@@ -12,6 +13,14 @@ namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& reason) {
   throw Error(ExitCode::internal_error, "cannot write " + path.string() + ": " + reason);
+}
+
+/// Of a numbered_name without its extension; −1 of others.
+long step_of(const std::string& stem) {
+  const std::size_t digits = stem.rfind('_') + 1;  // 0 where there is no number
+  long step = -1;
+  const auto end = std::from_chars(stem.data() + digits, stem.data() + stem.size(), step);
+  return digits > 0 && end.ec == std::errc() && end.ptr == stem.data() + stem.size() ? step : -1;
 }
 
 template <class Number>
@@ -55,9 +64,16 @@ void OutputFile::commit() {
   fail(path_, error.message());
 }
 
-void make_folder(const std::filesystem::path& folder) {
+void make_folder(const std::filesystem::path& folder, std::optional<long> resumed_at) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
+  if (error) fail(folder, error.message());
+  if (!resumed_at) return;
+  std::vector<std::filesystem::path> frames;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (step_of(entry.path().stem().string()) >= *resumed_at) frames.push_back(entry.path());
+  for (const auto& frame : frames)
+    if (!error) std::filesystem::remove(frame, error);
   if (error) fail(folder, error.message());
 }
 

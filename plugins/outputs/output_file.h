@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -30,8 +31,10 @@ class OutputFile {
   std::FILE* file_;
 };
 
-/// Makes the folder and those above it; throws Error.
-void make_folder(const std::filesystem::path& folder);
+/// Makes the folder of a run's frames and those above it. In one that is resumed, takes out the
+/// frames of the step at which it goes on and of later ones: those that come again are written
+/// again, those that were the last of a shorter run are not. Throws Error.
+void make_folder(const std::filesystem::path& folder, std::optional<long> resumed_at);
 
 /// "stem_000123.extension".
 [[nodiscard]] std::string numbered_name(const std::string& stem, long step,

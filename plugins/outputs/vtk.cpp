@@ -184,9 +184,11 @@ class Vtk final : public Output {
   Vtk(const Parameters& parameters, const Setup& /*setup*/)
       : single_precision_(parameters.precision == "single") {}
 
+  [[nodiscard]] std::string place() const override { return "vtk"; }
+
   void begin(const RunContext& context) override {
-    folder_ = context.folder / "vtk";
-    outputs::make_folder(folder_);
+    folder_ = context.folder / place();
+    outputs::make_folder(folder_, context.resumed_at);
     on_nodes_.clear();
     clouds_.clear();
     const std::vector<JetTermUse> terms = jet_terms(context.system);

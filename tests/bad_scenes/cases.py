@@ -24,7 +24,7 @@ BEYOND_SCHEMA = {
     "pointers": ("what a variant's pointer leads to, and what is right there", r"variant \""),
     "relations": ("values that do not fit each other",
                   r"at least one step|more than 1e\+15 steps|they must be as many"
-                  r"|takes a normal estimator|of all together|symmetric differences"),
+                  r"|takes a normal estimator|of all together|symmetric differences|keep one of them"),
     "order": ("numbers that must ascend, or be equal",
               r"ascending times|must ascend|a1 <= b1|12 must equal 21"),
     "shapes": ("whether a shape closes, or goes around more than once",
@@ -309,6 +309,8 @@ bad("size_too_small", {"/surface/size": [1e-300, 1]}, "at /surface/size", "too e
 bad("size_too_large", {"/surface/size": [1, 1e300]}, "at /surface/size", "too extreme", beyond="plugin")
 
 # ---- relations and order ------------------------------------------------------------------------
+bad("two_outputs_in_one_folder", {"/outputs/-": {"plugin": "vtk", "every": 2}}, "at /outputs/1",
+    "keep one of them", beyond="relations")
 bad("step_beyond_duration", {"/integrator/step": 1}, "at /duration", "at least one step, which is 1.0",
     beyond="relations")
 bad("too_many_steps", {"/duration": 1e300}, "at /duration", "more than 1e+15 steps", beyond="relations")

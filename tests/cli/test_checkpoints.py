@@ -159,14 +159,11 @@ class Stopped(Checkpoints):
     def test_prolonged_from_a_few_steps(self):
         path = self.write(scene())
         expected = self.run_whole(path)
-        for step in (1, 21, 42):  # 21 and 42 are steps at which both outputs are due
+        for step in (1, 21, 42):  # at 21 and 42 both outputs are due, at 1 neither is in the long run
             with self.subTest(step=step):
                 shutil.rmtree(self.out, ignore_errors=True)
                 self.run_scene(json.loads(path.read_text()), "--set", f"/duration={step * 0.02}")
                 self.resume(path)
-                if step == 1:  # the last frames of the short run are none of the long one's
-                    for name in ("vtk/surface_000001.vtp", "obj/surface_000001.obj"):
-                        (self.out / name).unlink()
                 self.assert_same_results(expected)
 
     def test_finished_run_says_so(self):

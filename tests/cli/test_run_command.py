@@ -350,12 +350,11 @@ class Ends(RunCommand):
         self.assertEqual(status, "running")
 
     def test_full_disk_is_an_error_that_names_the_file(self):
-        # A limit on the size of files stands in for the disk; Python ignores SIGXFSZ, and so does what it
-        # starts.
+        # A limit on the size of files stands in for the disk.
         scene = self.write(sheet(duration=1e5, outputs=[]))
         result = subprocess.run(
             ["sh", "-c", 'ulimit -f 32; exec "$@"', "sh", PROGRAM, "run", scene, "--out", self.out],
-            capture_output=True, text=True, timeout=TIMEOUT, restore_signals=False)
+            capture_output=True, text=True, timeout=TIMEOUT)
         self.assertEqual(result.returncode, 1, result.stderr)
         self.assertIn("probes.csv", result.stderr)
         self.assertIn("File too large", result.stderr)

@@ -147,8 +147,29 @@ TEST(Multigrid, LaggedStepsEndAsWithAFactorisation) {
   };
   const NodeVectors exact = end("cholmod");
   EXPECT_LT((end("multigrid") - exact).cwiseAbs().maxCoeff(), 1e-8);
-  // By default each increment is found to 1e-6.
+  // By default each change of the velocity is found to 1e-6.
   EXPECT_LT((end("multigrid", "1e-6") - exact).cwiseAbs().maxCoeff(), 1e-6);
+}
+
+/// What acts in a step may be small beside the momentum: v falls by γ dt/ρ a step, of (ρ/dt − γ/2)
+/// over (ρ/dt + γ/2), whatever the solver.
+TEST(Multigrid, LaggedStepsDampSlowlyWithSmallSteps) {
+  constexpr double kDensity = 0.1, kDamping = 0.2, kStep = 1e-7, kSpeed = 10;
+  for (const std::string solver : {"cholmod", "multigrid", "bicgstab"}) {
+    Simulation simulation = simulation_from_text(fmt::format(
+        R"({{"surface": {{"plugin": "grid", "nodes": [33, 33]}},
+             "material": {{"density": {}, "damping": {}}},
+             "energies": [{{"plugin": "stretching", "eta": 100}}],
+             "velocity": [0, 0, {}], "solver": {{"plugin": "{}"}},
+             "integrator": {{"plugin": "semi_implicit", "step": {}}}, "duration": {}}})",
+        kDensity, kDamping, kSpeed, solver, kStep, 100 * kStep));
+    ASSERT_FALSE(test::run_to_end(simulation)) << solver;
+    const double inertia = kDensity / kStep, drag = kDamping / 2;
+    const double lost = kSpeed * (1 - std::pow((inertia - drag) / (inertia + drag), 100));
+    const auto z = simulation.state().v.col(2);
+    EXPECT_NEAR((kSpeed - z.array()).maxCoeff(), lost, 1e-6 * lost) << solver;
+    EXPECT_NEAR((kSpeed - z.array()).minCoeff(), lost, 1e-6 * lost) << solver;
+  }
 }
 
 /// What Newton's method may leave is what it leaves, at most.

@@ -136,6 +136,14 @@ TEST_F(Resume, MultigridAndQuickNewtonStepsToTheSameBits) {
                          {"/solver", R"({"plugin": "multigrid"})"},
                          {"/integrator", R"({"plugin": "backward_euler", "step": 0.02,
                                              "newton_error": 1e-4})"},
+                         {"/probes", R"(["newton", "time_step", "energy_balance"])"},
+                         {"/duration", "0.3"}}));
+}
+
+TEST_F(Resume, StepsOfItsOwnToTheSameBits) {
+  stop_everywhere(scene({{"/energies/1", R"({"plugin": "bending_variational", "xi": 1e-6})"},
+                         {"/integrator", R"({"plugin": "bdf2", "step": 0.05, "error": 1e-3})"},
+                         {"/probes", R"(["newton", "time_step"])"},
                          {"/duration", "0.3"}}));
 }
 
@@ -174,8 +182,8 @@ TEST_F(Resume, FinishedRunIsLeftAlone) {
 }
 
 TEST_F(Resume, FinishedRunCanBeProlonged) {
-  // 40 and 50 steps: frames are due at both, for those that are not would stay.
-  const std::vector<Replacement> frames{{"/outputs", R"([{"plugin": "vtk", "every": 5}])"}};
+  // 40 and 50 steps: the last frame of the shorter run is not due in the longer one.
+  const std::vector<Replacement> frames{{"/outputs", R"([{"plugin": "vtk", "every": 3}, "obj"])"}};
   std::vector<Replacement> longer = frames;
   longer.push_back({"/duration", "1.0"});
   ASSERT_EQ(run_in(folder_ / "whole", scene(longer), false).code, ExitCode::done);

@@ -52,7 +52,7 @@ TEST(BackgroundQueue, LetsFewWait) {
   EXPECT_EQ(ended, 20);
 }
 
-TEST(BackgroundQueue, ThrowsWhatAJobThrewOnceAndDoesNothingBehindIt) {
+TEST(BackgroundQueue, ThrowsWhatAJobThrewAndDoesNothingBehindIt) {
   BackgroundQueue queue;
   bool is_done = false;
   std::atomic<bool> goes_on{false};
@@ -64,7 +64,10 @@ TEST(BackgroundQueue, ThrowsWhatAJobThrewOnceAndDoesNothingBehindIt) {
   goes_on = true;
   EXPECT_THROW(queue.drain(), std::runtime_error);
   EXPECT_FALSE(is_done);
-  EXPECT_NO_THROW(queue.drain());
+  EXPECT_THROW(queue.require_success(), std::runtime_error);
+  EXPECT_THROW(queue.add([&] { is_done = true; }), std::runtime_error);
+  EXPECT_NO_THROW(queue.drain());  // it was told
+  EXPECT_FALSE(is_done);
 }
 
 TEST(BackgroundQueue, EndsWithWhatItHas) {

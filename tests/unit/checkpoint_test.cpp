@@ -86,8 +86,8 @@ TEST(CheckpointFile, WithAnyBitFlippedItIsRefused) {
 TEST(CheckpointFile, SaysWhatIsWrong) {
   EXPECT_THAT(refusal(""), HasSubstr("not a checkpoint of deform"));
   EXPECT_THAT(refusal("step,time [s]\n0,0\n1,0.1\n"), HasSubstr("not a checkpoint of deform"));
-  EXPECT_THAT(refusal(forged<std::uint32_t>(kVersionAt, 2)),
-              HasSubstr("version 2, this program reads version 1"));
+  EXPECT_THAT(refusal(forged<std::uint32_t>(kVersionAt, 3)),
+              HasSubstr("version 3, this program reads version 2"));
   EXPECT_THAT(refusal(encoded(example()) + "x"), HasSubstr("checksum is wrong"));
   EXPECT_THAT(refusal(forged<std::int64_t>(kStepAt, -1)), HasSubstr("steps is negative"));
 }

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
+#include "deform/kernel.h"
 #include "deform/parallel.h"
 #include "deform/surface/sample_set.h"
 
 #include "geometry/sample_geometry.h"
-#include "parallel/kernel.h"
 
 namespace deform {
 namespace {

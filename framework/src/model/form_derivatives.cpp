@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "parallel/kernel.h"
+#include "deform/kernel.h"
 
 namespace deform {
 namespace {

@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deform/kernel.h"
+
 #include "model/form_derivatives.h"
-#include "parallel/kernel.h"
 
 namespace deform {
 namespace {

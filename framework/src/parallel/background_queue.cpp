@@ -24,19 +24,26 @@ void BackgroundQueue::add(std::function<void()> job) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return jobs_.size() < kMostJobs || failure_ != nullptr; });
   throw_failure();
+  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });  // may throw: before the job
   jobs_.push_back(std::move(job));
-  if (!thread_.joinable()) thread_ = std::thread([this] { work(); });
   changed_.notify_all();
 }
 
 void BackgroundQueue::drain() {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return jobs_.empty(); });
+  if (!was_told_) throw_failure();
+}
+
+void BackgroundQueue::require_success() {
+  const std::lock_guard lock(mutex_);
   throw_failure();
 }
 
 void BackgroundQueue::throw_failure() {
-  if (failure_ != nullptr) std::rethrow_exception(std::exchange(failure_, nullptr));
+  if (failure_ == nullptr) return;
+  was_told_ = true;
+  std::rethrow_exception(failure_);
 }
 
 void BackgroundQueue::work() {

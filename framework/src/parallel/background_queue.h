@@ -11,18 +11,21 @@
 namespace deform {
 
 /// Does jobs one after another, in the order in which they came, in a thread of its own; few may
-/// wait. One that throws is the last: those behind it are not done. To be used from one thread.
+/// wait. One that throws is the last: those behind it are not done, and none is taken any more. To
+/// be used from one thread.
 class BackgroundQueue {
  public:
   BackgroundQueue() = default;
-  /// Waits until nothing is left to do; what was thrown and not asked for is lost.
+  /// Waits until nothing is left to do; what was thrown and never asked for is lost.
   ~BackgroundQueue();
   BackgroundQueue(const BackgroundQueue&) = delete;
   BackgroundQueue& operator=(const BackgroundQueue&) = delete;
 
-  /// Waits while too many jobs wait. Throws what an earlier one threw, once.
+  /// Waits while too many jobs wait. Throws what an earlier one threw.
   void add(std::function<void()> job);
-  /// Waits until nothing is left to do. Throws likewise.
+  /// Throws what a job threw so far.
+  void require_success();
+  /// Waits until nothing is left to do. Throws what a job threw, unless it has been thrown before.
   void drain();
 
  private:
@@ -33,6 +36,7 @@ class BackgroundQueue {
   std::condition_variable changed_;
   std::deque<std::function<void()>> jobs_;  // the first is being done
   std::exception_ptr failure_;
+  bool was_told_ = false;  // the failure
   bool ends_ = false;
   std::thread thread_;  // begins with the first job
 };

@@ -7,6 +7,8 @@ namespace deform {
 CompanionRun::~CompanionRun() = default;
 Output::~Output() = default;
 
+std::string Output::place() const { return ""; }
+
 std::function<void()> Output::take(const Frame& frame) {
   write(frame);
   return {};

@@ -21,7 +21,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they are");
 
 constexpr std::string_view kMagic = "deform checkpoint\n";
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::size_t kHashDigits = 64;
 /// What every checkpoint has: its head, without entries, and the checksum.
 constexpr std::size_t kLeast = kMagic.size() + 4 + kHashDigits + 3 * 8 + kHashDigits;

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <map>
 #include <span>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -145,10 +147,18 @@ void ProbeRecorder::record(const Frame& frame, bool all) {
 
 OutputRecorder::OutputRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker,
                                const Setup& setup) {
+  std::map<std::string, std::string> pointers;  // by place
   for (const RecorderUse& use : uses) {
-    if (auto output = maker.make<Output>(use.use, setup)) {
-      outputs_.push_back({std::move(*output), use.every});
-    }
+    auto output = maker.make<Output>(use.use, setup);
+    if (!output) continue;
+    const std::string place =
+        guarded(output->origin, "saying where it writes", [&] { return output->object->place(); });
+    const auto [first, is_new] = pointers.emplace(place, use.use.pointer);
+    if (!place.empty() && !is_new)
+      maker.add({{use.use.pointer, fmt::format("at {}: writes into \"{}\" of the run directory, as "
+                                               "the output at {} does: keep one of them",
+                                               use.use.pointer, place, first->second)}});
+    outputs_.push_back({std::move(*output), use.every});
   }
 }
 

@@ -105,7 +105,7 @@ Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> r
       manifest_(scene, *registry, options),
       schedule_(scene) {
   context_.emplace(make_run_context(parts_, folder_));
-  context_->resumed = found_.checkpoint.has_value();
+  if (found_.checkpoint) context_->resumed_at = found_.checkpoint->step;
   begin_probes(parts_, *context_);  // may still reject the scene, so comes before the folder
   if (found_.checkpoint) load_checkpoint();
   if (options_.profile) profile_.emplace();
@@ -250,6 +250,7 @@ void Recording::record(bool all_probes, bool all_outputs) {
   const bool due =
       step == 0 || parts_.probes->due(step) || parts_.outputs->due(step) || frame_due(step);
   if (!due && !all_probes && !all_outputs) return;
+  writing_.require_success();  // rather before a frame than within it
   apart_from_model([&](const Frame& frame) {
     parts_.probes->record(frame, all_probes);
     parts_.outputs->record(frame, all_outputs, writing_);

@@ -36,8 +36,11 @@ RunParts make_run_parts(const Scene& scene, const std::shared_ptr<const PluginRe
 
 RunContext make_run_context(const RunParts& parts, const std::filesystem::path& folder) {
   Simulation& simulation = *parts.simulation;
-  return {folder, simulation.scene().title, simulation.system(),
-          [&simulation] { return simulation.mirrored(); }, false};
+  return {folder,
+          simulation.scene().title,
+          simulation.system(),
+          [&simulation] { return simulation.mirrored(); },
+          {}};
 }
 
 void begin_probes(RunParts& parts, const RunContext& context) {

@@ -19,6 +19,7 @@
 #include "simulation/initial_velocity.h"
 #include "simulation/memory_sections.h"
 #include "simulation/part_maker.h"
+#include "simulation/report_memory.h"
 #include "simulation/solver_uses.h"
 #include "solve/not_finite.h"
 
@@ -362,6 +363,7 @@ void Simulation::save(Memory& memory) const {
   memory.put("state/r", flattened(impl_->state.r));
   memory.put("state/v", flattened(impl_->state.v));
   memory.put("state/previous_r", flattened(impl_->before.r));
+  save_report(impl_->system->step_report(), memory);
   for (const Keeper& keeper : impl_->keepers) {
     save_plugin(*keeper.object, keeper.origin, keeper.section, memory);
   }
@@ -385,6 +387,7 @@ void Simulation::load(const Memory& memory) {
   }
   s.system->begin_step(s.before);
   s.system->update_geometry(s.state);
+  load_report(s.system->step_report(), memory);
 }
 
 }  // namespace deform

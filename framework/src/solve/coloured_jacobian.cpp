@@ -113,13 +113,15 @@ std::string ColouredJacobian::factor(const NodeValues& d) {
   return solvers_->factor(shifted_);
 }
 
-void ColouredJacobian::solve(const NodeVectors& b, NodeVectors& x) {
+std::string ColouredJacobian::solve(const NodeVectors& b, NodeVectors& x) {
   rhs_.col(0) = unknowns_.reduced(b);
-  solvers_->solve(rhs_, solution_);
+  std::string reason = solvers_->solve(rhs_, solution_);
+  if (!reason.empty()) return reason;
   if (const Index q = first_not_finite(solution_); q >= 0 && rhs_.allFinite())
     throw NotFinite("the solution of " + solvers_->in_use().origin + " is not finite",
                     unknowns_[q].node, solvers_->in_use().name);
   x = unknowns_.expanded(solution_.col(0));
+  return "";
 }
 
 }  // namespace deform

@@ -27,7 +27,7 @@ class ColouredJacobian {
   void differentiate(const NodeVectors& r, const ForceAt& force_at);
   /// With d (N) added to the diagonal; "" or why it cannot be factorised.
   [[nodiscard]] std::string factor(const NodeValues& d);
-  void solve(const NodeVectors& b, NodeVectors& x);
+  [[nodiscard]] std::string solve(const NodeVectors& b, NodeVectors& x);
 
  private:
   void make_pattern(const std::vector<std::vector<std::int32_t>>& dependence);

@@ -120,9 +120,8 @@ double ImplicitEquation::update_contacts(const State& state) {
 std::string ImplicitEquation::find_direction(State& state, Tangent& kind, NodeVectors& direction) {
   if (!has_potential_) {
     system_->evaluate_with_jacobian(state, 1 / stage_->tau);
-    std::string reason = system_->factor_jacobian(diagonal_);
-    if (reason.empty()) system_->solve_jacobian(left_, direction);
-    return reason;
+    const std::string reason = system_->factor_jacobian(diagonal_);
+    return reason.empty() ? system_->solve_jacobian(left_, direction) : reason;
   }
   const auto solve = [&](const NodeValues& d) {
     return system_->solve_tangent_to(kForcing, d, left_, direction);
@@ -148,9 +147,8 @@ std::string ImplicitEquation::find_direction_again(NodeVectors& direction) {
 bool ImplicitEquation::find_full_direction(State& state, NodeVectors& direction) {
   if (contacts_begun_ && !contacts_.touching().empty()) return false;  // not in the Jacobian
   system_->evaluate_with_jacobian(state, 1 / stage_->tau);
-  if (!system_->factor_jacobian(diagonal_).empty()) return false;
-  system_->solve_jacobian(left_, direction);
-  return slope(direction) < 0;
+  return system_->factor_jacobian(diagonal_).empty() &&
+         system_->solve_jacobian(left_, direction).empty() && slope(direction) < 0;
 }
 
 }  // namespace deform

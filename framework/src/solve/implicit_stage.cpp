@@ -78,7 +78,7 @@ class FirstContraction {
     if (tau > tau_ * (1 + 1e-9)) theta_ = 1;
     tau_ = tau;
   }
-  void measure(double theta) { theta_ = theta; }
+  void measure(double theta) { theta_ = std::max(theta, kLeast); }
   /// A stage ends that did not measure it.
   void fade() { theta_ = std::pow(theta_, kFade); }
   [[nodiscard]] double theta() const { return theta_; }
@@ -92,6 +92,8 @@ class FirstContraction {
 
  private:
   static constexpr double kFade = 0.8;
+  /// Nothing is known so well as to hold for many stages.
+  static constexpr double kLeast = 0.01;
   double theta_ = 1, tau_ = 0;  // tau: [s]
 };
 
@@ -173,7 +175,10 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
       const bool keeps_tangent = i == 1 && theta <= kGoodContraction;
       const double norm =
           keeps_tangent ? evaluate_residual(system, state) : evaluate(system, state);
-      if (norm <= settings.tolerance * equation.scale()) return true;
+      if (norm <= settings.tolerance * equation.scale()) {
+        if (i <= 1) first_contraction.fade();  // as little as that says nothing of larger ones
+        return true;
+      }
       ++system.step_report().iterations;
       if (!find_correction(state, keeps_tangent)) break;
       const double correction = system.root_mean_square(direction);

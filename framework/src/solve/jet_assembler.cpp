@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <span>
 
+#include "deform/kernel.h"
 #include "deform/parallel.h"
 
 #include "model/numerical_stress.h"
-#include "parallel/kernel.h"
 #include "plugin/guard.h"
 
 namespace deform {

@@ -1,4 +1,4 @@
-/// Numbers that are not finite: who gave them, and at which node.
+/// Numbers that are not finite, or cannot be had: whose they are, and at which node.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace deform {
 
-/// Part of a model gave a number that is not finite. A System throws it, which counts no steps;
-/// whoever does makes it a Diverged.
+/// Part of a model gave a number that is not finite, or a solver none. A System throws it, which
+/// counts no steps; whoever does makes it a Diverged.
 class NotFinite : public Error {
  public:
   /// `part`: its name within the model; empty for whoever called the System.

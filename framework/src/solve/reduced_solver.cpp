@@ -116,6 +116,14 @@ void ReducedSolver::make_right_hand_side(Group& group, const SparseMatrix& k, co
           residual_(group.free[q], group.components[j]);
 }
 
+/// Names the solver and where there was the most to solve for; forces need not be at fault.
+void ReducedSolver::throw_unsolved(const Group& group, const std::string& reason) {
+  Index q = 0;
+  group.rhs.rowwise().squaredNorm().maxCoeff(&q);
+  throw NotFinite("the equations of a step cannot be solved (" + reason + ")",
+                  group.free[static_cast<std::size_t>(q)], group.solvers->in_use().name);
+}
+
 void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues& d,
                           const NodeVectors& b, NodeVectors& x, double tolerance,
                           StepTimes& times) {
@@ -137,7 +145,8 @@ void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues&
   map_->complete_changes(x);
   for (Group& group : groups_) {
     make_right_hand_side(group, k, d, b, x);
-    group.solvers->improve(group.rhs, tolerance, group.solution);
+    const std::string reason = group.solvers->improve(group.rhs, tolerance, group.solution);
+    if (!reason.empty()) throw_unsolved(group, reason);
     if (const Index q = first_not_finite(group.solution); q >= 0 && group.rhs.allFinite())
       throw NotFinite("the solution of " + group.solvers->in_use().origin + " is not finite",
                       group.free[static_cast<std::size_t>(q)], group.solvers->in_use().name);

@@ -40,6 +40,7 @@ class ReducedSolver {
 
   void make_group(Group& group, const SparseMatrix& pattern) const;
   void factor(Group& group, const SparseMatrix& k, const NodeValues& d);
+  [[noreturn]] static void throw_unsolved(const Group& group, const std::string& reason);
   void make_right_hand_side(Group& group, const SparseMatrix& k, const NodeValues& d,
                             const NodeVectors& b, const NodeVectors& x);
 

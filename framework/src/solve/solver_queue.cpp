@@ -26,6 +26,8 @@ SolverQueue::SolverQueue(const MakeSolvers& make_solvers, const MatrixTraits& tr
     throw InputError(std::string("no linear solver takes this scene's ") + kind_of(traits_) +
                      " matrix (" + offered + ")");
   std::ranges::stable_sort(solvers_, std::ranges::greater{}, fit);
+  if (fit(solvers_.front()) >= LinearSolver::kSuitable)
+    std::erase_if(solvers_, [&](const auto& s) { return fit(s) < LinearSolver::kSuitable; });
   analysed_.assign(solvers_.size(), false);
 }
 
@@ -73,28 +75,31 @@ void SolverQueue::log_handover(std::size_t from, const std::string& reason) {
               reason);
 }
 
-void SolverQueue::solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x) {
-  solve_by([&](LinearSolver& solver) { solver.solve(b, x); });
+std::string SolverQueue::solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x) {
+  return solve_by([&](LinearSolver& solver) { solver.solve(b, x); });
 }
 
-void SolverQueue::improve(const Eigen::MatrixXd& b, double tolerance, Eigen::MatrixXd& x) {
-  solve_by([&](LinearSolver& solver) { solver.improve(b, tolerance, x); });
+std::string SolverQueue::improve(const Eigen::MatrixXd& b, double tolerance, Eigen::MatrixXd& x) {
+  return solve_by([&](LinearSolver& solver) { solver.improve(b, tolerance, x); });
 }
 
+/// An iterative solver finds out only here that it cannot.
 template <class Solve>
-void SolverQueue::solve_by(const Solve& solve) {
+std::string SolverQueue::solve_by(const Solve& solve) {
   for (;;) {
     const Named<LinearSolver>& solver = in_use();
+    std::string reason;
     try {
-      return guarded(solver.origin, "solving", [&] { solve(*solver.object); });
+      guarded(solver.origin, "solving", [&] { solve(*solver.object); });
+      return "";
     } catch (const Error& e) {
-      // An iterative solver finds out only here that it cannot.
-      const bool can_go_on = e.code() == ExitCode::diverged && in_use_ + 1 < solvers_.size();
-      if (!can_go_on || matrix_ == nullptr) throw;
-      log_handover(in_use_, e.what());
-      const std::string reasons = factor_from(in_use_ + 1);
-      if (!reasons.empty()) throw Error(ExitCode::diverged, std::string(e.what()) + "; " + reasons);
+      if (e.code() != ExitCode::diverged) throw;
+      reason = e.what();
     }
+    if (matrix_ == nullptr || in_use_ + 1 == solvers_.size()) return reason;
+    log_handover(in_use_, reason);
+    const std::string others = factor_from(in_use_ + 1);
+    if (!others.empty()) return reason + "; " + others;
   }
 }
 

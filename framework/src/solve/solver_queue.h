@@ -1,4 +1,5 @@
-/// The linear solvers that suit a matrix, best first; one that cannot hands over to the next.
+/// The linear solvers that suit a matrix, best first; one that cannot hands over to the next. Those
+/// whose suitability is below 1 are among them only where no other takes such matrices.
 #pragma once
 
 #include <functional>
@@ -21,17 +22,17 @@ class SolverQueue {
   [[nodiscard]] std::string factor(const SparseMatrix& a);
   /// Only the first: what cannot be factorised is a result, too (a matrix that is indefinite).
   [[nodiscard]] std::string factor_with_first(const SparseMatrix& a);
-  /// Throws Error with ExitCode::diverged when none can.
-  void solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x);
+  /// "" or why none could.
+  [[nodiscard]] std::string solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x);
   /// From a guess, to a tolerance, where the solver can (LinearSolver::improve).
-  void improve(const Eigen::MatrixXd& b, double tolerance, Eigen::MatrixXd& x);
+  [[nodiscard]] std::string improve(const Eigen::MatrixXd& b, double tolerance, Eigen::MatrixXd& x);
   [[nodiscard]] const Named<LinearSolver>& in_use() const { return solvers_[in_use_]; }
   /// "cholmod (matrix symmetric, 361 unknowns, 4000 entries)".
   [[nodiscard]] std::string choice(const SparseMatrix& a) const;
 
  private:
   template <class Solve>
-  void solve_by(const Solve& solve);
+  [[nodiscard]] std::string solve_by(const Solve& solve);
   [[nodiscard]] std::string factor_with(std::size_t i, const SparseMatrix& a);
 
   [[nodiscard]] std::string factor_from(std::size_t i);

@@ -124,10 +124,10 @@ std::string System::factor_tangent(const NodeValues& d) {
   return impl_->tangent_solver->factor(impl_->tangent, d);
 }
 
-void System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
+std::string System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
   require_finite(b, "the right-hand side", "the integrator", "");
   const Stopwatch watch(impl_->times.solve, "solve");
-  impl_->tangent_solver->solve(b, x);
+  return impl_->tangent_solver->solve(b, x);
 }
 
 std::string System::solve_tangent_to(double tolerance, const NodeValues& d, const NodeVectors& b,
@@ -209,10 +209,10 @@ std::string System::factor_jacobian(const NodeValues& d) {
   return impl_->jacobian->factor(d);
 }
 
-void System::solve_jacobian(const NodeVectors& b, NodeVectors& x) {
+std::string System::solve_jacobian(const NodeVectors& b, NodeVectors& x) {
   require_finite(b, "the right-hand side", "the integrator", "");
   const Stopwatch watch(impl_->times.solve, "solve");
-  impl_->jacobian->solve(b, x);
+  return impl_->jacobian->solve(b, x);
 }
 
 /// Node by node, those whose positions its force depends on.
@@ -268,7 +268,9 @@ void System::accelerate(const NodeVectors& f, NodeVectors& acceleration) {
     if (!reason.empty())
       throw Error(ExitCode::diverged, "the matrix of masses cannot be factorised: " + reason);
   }
-  impl_->mass_solver->solve(f, acceleration);
+  const std::string reason = impl_->mass_solver->solve(f, acceleration);
+  if (!reason.empty())
+    throw Error(ExitCode::diverged, "the matrix of masses cannot be solved with: " + reason);
 }
 
 }  // namespace deform

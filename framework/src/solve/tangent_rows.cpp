@@ -3,8 +3,7 @@
 #include <cstring>
 
 #include "deform/geometry/pairs.h"
-
-#include "parallel/kernel.h"
+#include "deform/kernel.h"
 
 namespace deform {
 namespace {

@@ -101,17 +101,18 @@ std::string TangentSolver::solve_to_tolerance(double tolerance, const NodeVector
     std::string reason = factor(*k_, d_);
     if (!reason.empty()) return reason;
   }
-  solve(b, x);
-  return "";
+  return solve(b, x);
 }
 
-void TangentSolver::solve(const NodeVectors& b, NodeVectors& x) {
+std::string TangentSolver::solve(const NodeVectors& b, NodeVectors& x) {
   rhs_.col(0) = unknowns_.reduced(b);
-  solvers_->solve(rhs_, solution_);
+  std::string reason = solvers_->solve(rhs_, solution_);
+  if (!reason.empty()) return reason;
   if (const Index q = first_not_finite(solution_); q >= 0 && rhs_.allFinite())
     throw NotFinite("the solution of " + solvers_->in_use().origin + " is not finite",
                     unknowns_[q].node, solvers_->in_use().name);
   x = unknowns_.expanded(solution_.col(0));
+  return "";
 }
 
 }  // namespace deform

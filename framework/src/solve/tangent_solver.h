@@ -27,7 +27,7 @@ class TangentSolver {
   /// d: (N) for all three components. Returns "" or why the matrix is not positive definite.
   [[nodiscard]] std::string factor(const BlockMatrix& k, const NodeValues& d);
   /// x = T y with Tᵀ(K + diag(d))T y = Tᵀb, of the last factor that could; b (N × 3), x (N × 3).
-  void solve(const NodeVectors& b, NodeVectors& x);
+  [[nodiscard]] std::string solve(const NodeVectors& b, NodeVectors& x);
 
   /// The same for solutions whose error is reduced to a tolerance. `renew`: nothing that was
   /// prepared for earlier matrices may be used. k stays as it is until the next call. Both return

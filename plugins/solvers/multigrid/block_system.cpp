@@ -50,7 +50,7 @@ BlockSystem::BlockSystem(const deform::BlockMatrix& pattern, const std::vector<s
                          const std::vector<deform::Prolongation>& coarsening, Limits limits)
     : limits_(limits) {
   cycle_.emplace(both_triangles(pattern), masks_of(held), coarsening, Finest::additive);
-  const Pattern& full = cycle_->finest().pattern;
+  const Level<Block>& full = cycle_->finest();
   for (Index a = 0; a < pattern.nodes; ++a)
     for (auto p = pattern.row_begin[static_cast<std::size_t>(a)];
          p < pattern.row_begin[static_cast<std::size_t>(a) + 1]; ++p) {
@@ -58,7 +58,7 @@ BlockSystem::BlockSystem(const deform::BlockMatrix& pattern, const std::vector<s
       upper_.push_back(full.place(a, b));
       lower_.push_back(full.place(b, a));
     }
-  b_.resize(static_cast<std::size_t>(pattern.nodes));
+  b_.assign(pattern.nodes);
 }
 
 void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues& d, bool renew) {
@@ -68,14 +68,16 @@ void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues&
       for (auto p = static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(row)]);
            p < static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(row) + 1]); ++p) {
         const double* from = a.value.data() + 9 * p;
-        float* upper = level.value.data() + 9 * static_cast<std::size_t>(upper_[p]);
-        float* lower = level.value.data() + 9 * static_cast<std::size_t>(lower_[p]);
-        // The transpose of a block by rows is the same block by columns.
-        for (int i = 0; i < 9; ++i) lower[i] = static_cast<float>(from[i]);
+        float* upper = level.value.data() + Block::start(upper_[p]);
+        float* lower = level.value.data() + Block::start(lower_[p]);
         for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) upper[3 * j + i] = static_cast<float>(from[3 * i + j]);
+          for (int j = 0; j < 3; ++j) {
+            lower[Block::kStride * i + j] = static_cast<float>(from[3 * i + j]);
+            upper[Block::kStride * j + i] = static_cast<float>(from[3 * i + j]);
+          }
         if (upper == lower)
-          for (int c = 0; c < 3; ++c) upper[4 * c] = static_cast<float>(from[4 * c] + d[row]);
+          for (int c = 0; c < 3; ++c)
+            upper[(Block::kStride + 1) * c] = static_cast<float>(from[4 * c] + d[row]);
       }
   });
   is_old_ = is_made_ && !renew;
@@ -85,14 +87,14 @@ void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues&
 
 Ending BlockSystem::iterate(double tolerance, int most) {
   Level<Block>& level = cycle_->finest();
-  const Ending end =
-      gradients_.solve([&](Index a, const LaneVector& y) { return level.row_times(a, y); },
-                       [&](const LaneVector& r, LaneVector& z) {
-                         level.f = r;
-                         cycle_->run();
-                         z = level.x;
-                       },
-                       b_, x_, tolerance, most);
+  const Ending end = gradients_.solve([&](const LaneVector& y, Index first, Index size,
+                                          LaneVector& out) { level.multiply(y, first, size, out); },
+                                      [&](const LaneVector& r, LaneVector& z) {
+                                        level.f = r;
+                                        cycle_->run();
+                                        z = level.x;
+                                      },
+                                      b_, x_, tolerance, most);
   iterations_ += end.iterations;
   return end;
 }
@@ -109,8 +111,7 @@ deform::Outcome BlockSystem::solve(const deform::NodeVectors& b, double toleranc
   }
   deform::parallel_blocks(b.rows(), kRows, [&](Index first, Index size) {
     for (Index a = first; a < first + size; ++a)
-      for (int c = 0; c < 3; ++c)
-        b_[static_cast<std::size_t>(a)].set(c, static_cast<float>(b(a, c) / largest));
+      for (int c = 0; c < 3; ++c) b_(a, c) = static_cast<float>(b(a, c) / largest);
   });
   cycle_->finest().mask(b_);
   Ending end = iterate(tolerance, is_old_ ? limits_.patience : limits_.iterations);
@@ -126,8 +127,7 @@ deform::Outcome BlockSystem::solve(const deform::NodeVectors& b, double toleranc
   if (!end.has_converged) return deform::Outcome::unfinished;
   deform::parallel_blocks(b.rows(), kRows, [&](Index first, Index size) {
     for (Index a = first; a < first + size; ++a)
-      for (int c = 0; c < 3; ++c)
-        x(a, c) = largest * static_cast<double>(x_[static_cast<std::size_t>(a)][c]);
+      for (int c = 0; c < 3; ++c) x(a, c) = largest * static_cast<double>(x_(a, c));
   });
   return deform::Outcome::solved;
 }

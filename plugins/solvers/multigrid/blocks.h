@@ -9,18 +9,42 @@
 
 namespace multigrid {
 
-/// 3 × 3, column-major without padding; reading the last column reads one number beyond it.
+/// The entry at a place (Quads): its columns of four lanes begin at value[start], `kStride` apart.
 struct Block {
-  static constexpr int kSize = 9, kColumns = 3;
+  static constexpr int kColumns = 3;
+  static constexpr int kStride = 16;
+  static constexpr std::size_t kSize = 12;  ///< numbers a place
+  static std::size_t start(std::int32_t place) {
+    const auto p = static_cast<std::size_t>(place);
+    return 4 * kSize * (p / 4) + 4 * (p % 4);
+  }
   static Lanes apply(const float* a, const Lanes& x) {
-    return x[0] * Lanes::load(a) + x[1] * Lanes::load(a + 3) + x[2] * Lanes::load(a + 6);
+    return x[0] * Lanes::load(a) + x[1] * Lanes::load(a + kStride) +
+           x[2] * Lanes::load(a + 2 * kStride);
+  }
+  static void multiply(const Quads::View& rows, const float* value, const float* y, Index first,
+                       Index end, float* out) {
+    multiply_blocks(rows, value, y, first, end, out);
+  }
+  static void smooth(const Smoothing& s, Index first, Index end, float* next) {
+    smooth_blocks(s, first, end, next);
   }
 };
 
 /// A multiple of the identity.
 struct Scalar {
-  static constexpr int kSize = 1, kColumns = 1;
+  static constexpr int kColumns = 1;
+  static constexpr int kStride = 1;
+  static constexpr std::size_t kSize = 1;
+  static std::size_t start(std::int32_t place) { return static_cast<std::size_t>(place); }
   static Lanes apply(const float* a, const Lanes& x) { return a[0] * x; }
+  static void multiply(const Quads::View& rows, const float* value, const float* y, Index first,
+                       Index end, float* out) {
+    multiply_scalars(rows, value, y, first, end, out);
+  }
+  static void smooth(const Smoothing& s, Index first, Index end, float* next) {
+    smooth_scalars(s, first, end, next);
+  }
 };
 
 /// Sums of blocks, one register a column; a scalar is in the first lane.
@@ -29,7 +53,8 @@ using Sum = std::array<Lanes, Entry::kColumns>;
 
 template <class Entry>
 inline void add(Sum<Entry>& sum, float factor, const float* a) {
-  for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += factor * Lanes::load(a + 3 * c);
+  for (std::size_t c = 0; c < sum.size(); ++c, a += Entry::kStride)
+    sum[c] += factor * Lanes::load(a);
 }
 template <>
 inline void add<Scalar>(Sum<Scalar>& sum, float factor, const float* a) {
@@ -40,20 +65,28 @@ inline void add(Sum<Entry>& sum, float factor, const Sum<Entry>& other) {
   for (std::size_t c = 0; c < sum.size(); ++c) sum[c] += factor * other[c];
 }
 inline void store(const Sum<Block>& sum, float* a) {
-  for (int c = 0; c < 3; ++c)
-    for (int i = 0; i < 3; ++i) a[3 * c + i] = sum[static_cast<std::size_t>(c)][i];
+  for (std::size_t c = 0; c < sum.size(); ++c, a += Block::kStride) sum[c].store(a);
 }
 inline void store(const Sum<Scalar>& sum, float* a) { a[0] = sum[0][0]; }
 
 /// The inverse of a diagonal block; components that nothing resists count as resisted by 1.
-inline void invert(const float* a, std::array<float, Block::kSize>& inverse) {
-  Eigen::Matrix3d m = Eigen::Map<const Eigen::Matrix3f>(a).cast<double>();
+inline Sum<Block> inverse_of(const Sum<Block>& a) {
+  Eigen::Matrix3d m;
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 3; ++i) m(i, c) = static_cast<double>(a[static_cast<std::size_t>(c)][i]);
   for (int c = 0; c < 3; ++c)
     if (!(m(c, c) > 0)) m.row(c).setZero(), m.col(c).setZero(), m(c, c) = 1;
-  Eigen::Map<Eigen::Matrix3f>(inverse.data()) = m.inverse().cast<float>();
+  m = m.inverse().eval();
+  Sum<Block> inverse{};
+  for (int c = 0; c < 3; ++c)
+    for (int i = 0; i < 3; ++i)
+      inverse[static_cast<std::size_t>(c)].set(i, static_cast<float>(m(i, c)));
+  return inverse;
 }
-inline void invert(const float* a, std::array<float, Scalar::kSize>& inverse) {
-  inverse[0] = a[0] > 0 ? 1 / a[0] : 1;
+inline Sum<Scalar> inverse_of(const Sum<Scalar>& a) {
+  Sum<Scalar> inverse{};
+  inverse[0].set(0, a[0][0] > 0 ? 1 / a[0][0] : 1);
+  return inverse;
 }
 
 }  // namespace multigrid

@@ -58,12 +58,12 @@ void Cycle<Entry>::factor_coarsest() {
   for (Index row = 0; row < n; ++row)
     for (auto p = level.pattern.begin[static_cast<std::size_t>(row)];
          p < level.pattern.begin[static_cast<std::size_t>(row) + 1]; ++p) {
-      const float* value = level.value.data() + static_cast<std::size_t>(p) * Entry::kSize;
+      const float* value = level.value.data() + Entry::start(level.quads.place(row, p));
       const Index column = level.pattern.column[static_cast<std::size_t>(p)];
       for (Index i = 0; i < kComponents; ++i)
         for (Index j = 0; j < kComponents; ++j)
           a(kComponents * row + i, kComponents * column + j) =
-              static_cast<double>(value[kComponents * j + i]);
+              static_cast<double>(value[Index{Entry::kStride} * j + i]);
     }
   for (Index i = 0; i < a.rows(); ++i)
     if (!(a(i, i) > 0)) a.row(i).setZero(), a.col(i).setZero(), a(i, i) = 1;  // held
@@ -88,12 +88,10 @@ void Cycle<Entry>::solve_coarsest() {
   constexpr Index kComponents = Entry::kColumns;
   for (int c = 0; c < 3; c += static_cast<int>(kComponents)) {
     for (Index a = 0; a < level.pattern.nodes; ++a)
-      for (Index i = 0; i < kComponents; ++i)
-        f_[kComponents * a + i] = level.f[static_cast<std::size_t>(a)][c + static_cast<int>(i)];
+      for (Index i = 0; i < kComponents; ++i) f_[kComponents * a + i] = level.f(a, c + i);
     x_.noalias() = inverse_ * f_;
     for (Index a = 0; a < level.pattern.nodes; ++a)
-      for (Index i = 0; i < kComponents; ++i)
-        level.x[static_cast<std::size_t>(a)].set(c + static_cast<int>(i), x_[kComponents * a + i]);
+      for (Index i = 0; i < kComponents; ++i) level.x(a, c + i) = x_[kComponents * a + i];
   }
 }
 
@@ -103,11 +101,9 @@ void Cycle<Entry>::correct(std::size_t l, const LaneVector& x_coarse, bool from_
   Level<Entry>& level = levels_[l];
   const Galerkin& to = between_[l];
   deform::parallel_blocks(level.pattern.nodes, kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a) {
-      const auto i = static_cast<std::size_t>(a);
-      level.x[i] =
-          (from_zero ? level.smoothed(a, level.f[i]) : level.x[i]) + to.prolonged(a, x_coarse);
-    }
+    for (Index a = first; a < first + size; ++a)
+      level.x.set(a, (from_zero ? level.smoothed(a, level.f.node(a)) : level.x.node(a)) +
+                         to.prolonged(a, x_coarse));
   });
   level.mask(level.x);
 }

@@ -114,13 +114,12 @@ std::int32_t Galerkin::same(Index fine) const {
 
 void Galerkin::restrict_to(const LaneVector& r, LaneVector& f) const {
   deform::parallel_blocks(coarse_.nodes, kRows, [&](Index first, Index size) {
-    for (auto c = static_cast<std::size_t>(first); c < static_cast<std::size_t>(first + size);
-         ++c) {
+    for (Index c = first; c < first + size; ++c) {
       Lanes sum;
-      for (auto t = static_cast<std::size_t>(t_begin_[c]);
-           t < static_cast<std::size_t>(t_begin_[c + 1]); ++t)
-        sum += t_weight_[t] * r[static_cast<std::size_t>(t_node_[t])];
-      f[c] = sum;
+      for (auto t = static_cast<std::size_t>(t_begin_[static_cast<std::size_t>(c)]);
+           t < static_cast<std::size_t>(t_begin_[static_cast<std::size_t>(c) + 1]); ++t)
+        sum += t_weight_[t] * r.node(t_node_[t]);
+      f.set(c, sum);
     }
   });
 }
@@ -131,7 +130,8 @@ void Galerkin::make_row(const Level<Entry>& fine, std::size_t a, Sum<Entry>* blo
   std::fill_n(blocks, product_begin_[a + 1] - product_begin_[a], Sum<Entry>{});
   const std::uint16_t* slot = slot_.data() + slot_begin_[a];
   for (auto p = fine.pattern.begin[a]; p < fine.pattern.begin[a + 1]; ++p) {
-    const float* value = fine.value.data() + static_cast<std::size_t>(p) * Entry::kSize;
+    const float* value =
+        fine.value.data() + Entry::start(fine.quads.place(static_cast<Index>(a), p));
     const auto b = static_cast<std::size_t>(fine.pattern.column[static_cast<std::size_t>(p)]);
     for (auto q = begin_[b]; q < begin_[b + 1]; ++q, ++slot)
       add<Entry>(blocks[*slot], weight_[static_cast<std::size_t>(q)], value);
@@ -163,9 +163,10 @@ void Galerkin::multiply(const Level<Entry>& fine, Level<Entry>& coarse) const {
         for (std::size_t k = begin[local]; k < begin[local + 1]; ++k, ++slot)
           add<Entry>(row[*slot], t_weight_[t], products[k]);
       }
-      float* value =
-          coarse.value.data() + static_cast<std::size_t>(coarse_.begin[i]) * Entry::kSize;
-      for (std::size_t k = 0; k < row.size(); ++k) store(row[k], value + k * Entry::kSize);
+      for (std::size_t k = 0; k < row.size(); ++k)
+        store(row[k],
+              coarse.value.data() + Entry::start(coarse.quads.place(
+                                        c, coarse_.begin[i] + static_cast<std::int32_t>(k))));
     }
   });
 }

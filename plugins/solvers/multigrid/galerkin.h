@@ -27,8 +27,7 @@ class Galerkin {
     Lanes sum;
     for (auto q = begin_[static_cast<std::size_t>(a)]; q < begin_[static_cast<std::size_t>(a) + 1];
          ++q)
-      sum += weight_[static_cast<std::size_t>(q)] *
-             coarse[static_cast<std::size_t>(node_[static_cast<std::size_t>(q)])];
+      sum += weight_[static_cast<std::size_t>(q)] * coarse.node(node_[static_cast<std::size_t>(q)]);
     return sum;
   }
   /// The coarse node that a fine one is, or −1.

@@ -29,65 +29,70 @@ void cut(Sum<Scalar>& block, const Lanes& row, const Lanes& column) {
   block[0] = column[0] * (row[0] * block[0]);
 }
 
-}  // namespace
-
-std::int32_t Pattern::place(Index a, Index b) const {
-  const auto first = column.begin() + begin[static_cast<std::size_t>(a)];
-  const auto last = column.begin() + begin[static_cast<std::size_t>(a) + 1];
-  const auto at = std::lower_bound(first, last, static_cast<std::int32_t>(b));
-  return at != last && *at == b ? static_cast<std::int32_t>(at - column.begin()) : -1;
+/// The entry at a place.
+template <class Entry>
+Sum<Entry> entry_at(const std::vector<float>& value, std::int32_t place) {
+  Sum<Entry> entry{};
+  add<Entry>(entry, 1, value.data() + Entry::start(place));
+  return entry;
 }
+
+}  // namespace
 
 template <class Entry>
 void Level<Entry>::prepare(Pattern p, std::vector<Mask> masks) {
   pattern = std::move(p);
+  quads = Quads(pattern);
   held = std::move(masks);
   const auto nodes = static_cast<std::size_t>(pattern.nodes);
-  value.assign(pattern.column.size() * Entry::kSize + 1, 0);
-  inverse.assign(nodes * Entry::kSize + 1, 0);
-  for (LaneVector* v : {&f, &x, &r, &next_}) v->assign(nodes, {});
+  value.assign(quads.places() * Entry::kSize, 0);
+  inverse.assign(padded(pattern.nodes) * Entry::kSize, 0);
+  for (LaneVector* v : {&f, &x, &r, &next_}) v->assign(pattern.nodes);
   diagonal.resize(nodes);
   std::vector<Lanes> factor(nodes, kAll);
   for (const Mask& m : held) factor[static_cast<std::size_t>(m.node)] = m.factor;
   const auto is_held = [](const Lanes& lanes) { return lanes[0] * lanes[1] * lanes[2] == 0; };
   cuts_.clear();
   for (std::size_t a = 0; a < nodes; ++a) {
-    diagonal[a] = pattern.place(static_cast<Index>(a), static_cast<Index>(a));
-    for (std::int32_t place = pattern.begin[a]; place < pattern.begin[a + 1]; ++place) {
+    const auto row = static_cast<Index>(a);
+    diagonal[a] = place(row, row);
+    for (std::int32_t k = pattern.begin[a]; k < pattern.begin[a + 1]; ++k) {
       const Lanes& column =
-          factor[static_cast<std::size_t>(pattern.column[static_cast<std::size_t>(place)])];
-      if (is_held(factor[a]) || is_held(column)) cuts_.push_back({place, factor[a], column});
+          factor[static_cast<std::size_t>(pattern.column[static_cast<std::size_t>(k)])];
+      if (is_held(factor[a]) || is_held(column))
+        cuts_.push_back({quads.place(row, k), factor[a], column});
     }
   }
+}
+
+template <class Entry>
+std::int32_t Level<Entry>::place(Index a, Index b) const {
+  const auto begin = pattern.column.begin();
+  const auto at = std::lower_bound(begin + pattern.begin[static_cast<std::size_t>(a)],
+                                   begin + pattern.begin[static_cast<std::size_t>(a) + 1],
+                                   static_cast<std::int32_t>(b));
+  return quads.place(a, static_cast<std::int32_t>(at - begin));
 }
 
 template <class Entry>
 void Level<Entry>::finish() {
   for (const Cut& c : cuts_) {
-    float* at = value.data() + static_cast<std::size_t>(c.place) * Entry::kSize;
-    Sum<Entry> block{};
-    add<Entry>(block, 1, at);
+    Sum<Entry> block = entry_at<Entry>(value, c.place);
     cut(block, c.row, c.column);
-    store(block, at);
+    store(block, value.data() + Entry::start(c.place));
   }
   deform::parallel_blocks(pattern.nodes, kRows, [&](Index first, Index size) {
-    for (auto a = static_cast<std::size_t>(first); a < static_cast<std::size_t>(first + size);
-         ++a) {
-      std::array<float, Entry::kSize> block;
-      invert(value.data() + static_cast<std::size_t>(diagonal[a]) * Entry::kSize, block);
-      std::ranges::copy(block, inverse.begin() + static_cast<std::ptrdiff_t>(a * Entry::kSize));
-    }
+    for (Index a = first; a < first + size; ++a)
+      store(inverse_of(entry_at<Entry>(value, diagonal[static_cast<std::size_t>(a)])),
+            inverse.data() + Entry::start(static_cast<std::int32_t>(a)));
   });
 }
 
 template <class Entry>
 double Level<Entry>::product(const LaneVector& a, const LaneVector& b) {
-  parts_.resize(static_cast<std::size_t>((pattern.nodes + kRows - 1) / kRows));
-  deform::parallel_blocks(pattern.nodes, kRows, [&](Index first, Index size) {
-    double sum = 0;
-    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(first + size); ++i)
-      sum += dot(a[i], b[i]);
-    parts_[static_cast<std::size_t>(first / kRows)] = sum;
+  parts_.resize(static_cast<std::size_t>((a.quads() + kQuads - 1) / kQuads));
+  deform::parallel_blocks(a.quads(), kQuads, [&](Index first, Index size) {
+    parts_[static_cast<std::size_t>(first / kQuads)] = dot(a.data(), b.data(), first, first + size);
   });
   return std::accumulate(parts_.begin(), parts_.end(), 0.0);
 }
@@ -95,18 +100,14 @@ double Level<Entry>::product(const LaneVector& a, const LaneVector& b) {
 /// Power iterations x ← D⁻¹A x; the quotient is xᵀA D⁻¹A x / xᵀA x.
 template <class Entry>
 void Level<Entry>::choose_damping() {
-  damping_ = 1;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    for (int c = 0; c < 3; ++c) x[i].set(c, random_sign(3 * i + static_cast<std::size_t>(c)));
+  for (Index a = 0; a < pattern.nodes; ++a)
+    for (int c = 0; c < 3; ++c) x(a, c) = random_sign(static_cast<std::size_t>(3 * a + c));
   mask(x);
   double largest = 0;
   for (int k = 0; k < kPowerIterations; ++k) {
-    deform::parallel_blocks(pattern.nodes, kRows, [&](Index first, Index size) {
-      for (Index a = first; a < first + size; ++a) {
-        const auto i = static_cast<std::size_t>(a);
-        r[i] = row_times(a, x);
-        next_[i] = smoothed(a, r[i]);
-      }
+    deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
+      multiply(x, first, size, r);
+      Entry::smooth({inverse.data(), r.data(), 1}, first, first + size, next_.data());
     });
     const double below = product(x, r);
     largest = below > 0 ? product(next_, r) / below : 0;
@@ -117,27 +118,26 @@ void Level<Entry>::choose_damping() {
 
 template <class Entry>
 void Level<Entry>::start() {
-  deform::parallel_blocks(pattern.nodes, kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a)
-      x[static_cast<std::size_t>(a)] = smoothed(a, f[static_cast<std::size_t>(a)]);
+  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
+    Entry::smooth({inverse.data(), f.data(), damping_}, first, first + size, x.data());
   });
 }
 
 template <class Entry>
 void Level<Entry>::find_residual() {
-  deform::parallel_blocks(pattern.nodes, kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a)
-      r[static_cast<std::size_t>(a)] = f[static_cast<std::size_t>(a)] - row_times(a, x);
+  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
+    multiply(x, first, size, r);
+    // f − 1 · A x
+    scale_and_add(-1, f.data(), first, first + size, r.data());
   });
 }
 
 template <class Entry>
 void Level<Entry>::smooth() {
-  deform::parallel_blocks(pattern.nodes, kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a) {
-      const auto i = static_cast<std::size_t>(a);
-      next_[i] = x[i] + smoothed(a, f[i] - row_times(a, x));
-    }
+  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
+    multiply(x, first, size, r);
+    Entry::smooth({inverse.data(), f.data(), damping_, x.data(), r.data()}, first, first + size,
+                  next_.data());
   });
   x.swap(next_);
 }

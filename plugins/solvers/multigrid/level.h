@@ -11,20 +11,8 @@
 
 namespace multigrid {
 
-using deform::Index;
-
-/// Rows that one task takes.
-inline constexpr Index kRows = 256;
-
-/// Full rows, columns ascending.
-struct Pattern {
-  Index nodes = 0;
-  std::vector<std::int32_t> begin{0};  ///< (N + 1)
-  std::vector<std::int32_t> column;
-
-  /// Where (a, b) is kept, or −1.
-  [[nodiscard]] std::int32_t place(Index a, Index b) const;
-};
+/// Nodes, and quads of them, that one task takes.
+inline constexpr Index kRows = 256, kQuads = kRows / kQuad;
 
 /// Components of a node that stay 0: their factors are 0, those of the others 1.
 struct Mask {
@@ -35,39 +23,31 @@ struct Mask {
 template <class Entry>
 struct Level {
   Pattern pattern;
-  std::vector<float> value;    ///< Entry::kSize numbers a place, and room for one read beyond
-  std::vector<float> inverse;  ///< of the diagonal, likewise
+  Quads quads;
+  std::vector<float> value;            ///< Entry::kSize numbers a place
+  std::vector<float> inverse;          ///< of the diagonal: node a has place a
   std::vector<std::int32_t> diagonal;  ///< places
   std::vector<Mask> held;              ///< ascending
   LaneVector f, x, r;                  ///< right-hand side, correction, residual
 
   /// Makes room for the matrix of a pattern. `masks`: nodes with held components, ascending.
   void prepare(Pattern p, std::vector<Mask> masks);
+  /// Where (a, b), which the pattern has, is kept.
+  [[nodiscard]] std::int32_t place(Index a, Index b) const;
   /// Takes rows and columns of held components out of the matrix, and inverts its diagonal.
   void finish();
 
-  [[nodiscard]] Lanes row_times(Index a, const LaneVector& y) const {
-    const std::int32_t end = pattern.begin[static_cast<std::size_t>(a) + 1];
-    std::int32_t p = pattern.begin[static_cast<std::size_t>(a)];
-    const float* v = value.data() + static_cast<std::size_t>(p) * Entry::kSize;
-    const std::int32_t* column = pattern.column.data();
-    Lanes even, odd;  // two chains of sums, so that one does not wait for the other
-    for (; p + 1 < end; p += 2, v += 2 * Entry::kSize) {
-      even += Entry::apply(v, y[static_cast<std::size_t>(column[p])]);
-      odd += Entry::apply(v + Entry::kSize, y[static_cast<std::size_t>(column[p + 1])]);
-    }
-    if (p < end) even += Entry::apply(v, y[static_cast<std::size_t>(column[p])]);
-    return even + odd;
+  /// out = A y on some quads.
+  void multiply(const LaneVector& y, Index first, Index size, LaneVector& out) const {
+    Entry::multiply(quads.view(), value.data(), y.data(), first, first + size, out.data());
   }
+  /// ω D⁻¹ of a residual at one node.
   [[nodiscard]] Lanes smoothed(Index a, const Lanes& residual) const {
     return damping_ *
-           Entry::apply(inverse.data() + static_cast<std::size_t>(a) * Entry::kSize, residual);
+           Entry::apply(inverse.data() + Entry::start(static_cast<std::int32_t>(a)), residual);
   }
   void mask(LaneVector& y) const {
-    for (const Mask& m : held) {
-      Lanes& lanes = y[static_cast<std::size_t>(m.node)];
-      lanes = m.factor * lanes;
-    }
+    for (const Mask& m : held) y.set(m.node, m.factor * y.node(m.node));
   }
 
   /// Chooses ω for steps that smooth, from an estimate of the largest eigenvalue of D⁻¹A.

@@ -38,23 +38,32 @@ std::vector<Mask> masks_of(std::span<const std::int32_t> nodes, Index total) {
 
 ScalarSystem::ScalarSystem(const deform::SparseMatrix& pattern, std::span<const std::int32_t> nodes,
                            Index total, const std::vector<deform::Prolongation>& coarsening)
-    : a_(pattern), node_(nodes.begin(), nodes.end()) {
+    : node_(nodes.begin(), nodes.end()) {
   cycle_.emplace(pattern_of(pattern, nodes, total), masks_of(nodes, total), coarsening,
                  Finest::smoothed);
-  b_.resize(node_.size());
-  x_.resize(node_.size());
+  // Unknowns are numbered as their nodes are, so that rows keep the order of their entries.
+  const Level<Scalar>& level = cycle_->finest();
+  for (Index q = 0; q < pattern.size; ++q) {
+    const Index node = node_[static_cast<std::size_t>(q)];
+    const std::int32_t begin = pattern.row_begin[static_cast<std::size_t>(q)],
+                       size = pattern.row_begin[static_cast<std::size_t>(q) + 1] - begin;
+    for (std::int32_t k = 0; k < size; ++k)
+      place_.push_back(
+          level.quads.place(node, level.pattern.begin[static_cast<std::size_t>(node)] + k));
+  }
+  value_.assign(level.quads.places(), 0);
+  b_.assign(total);
+  x_.assign(total);
 }
 
 void ScalarSystem::factor(const deform::SparseMatrix& a) {
-  a_.value = a.value;
   Level<Scalar>& level = cycle_->finest();
-  // Unknowns are numbered as their nodes are, so that rows keep the order of their entries.
   deform::parallel_blocks(a.size, kRows, [&](Index first, Index size) {
-    for (auto q = static_cast<std::size_t>(first); q < static_cast<std::size_t>(first + size);
-         ++q) {
-      float* to = level.value.data() + level.pattern.begin[static_cast<std::size_t>(node_[q])];
-      for (auto p = a.row_begin[q]; p < a.row_begin[q + 1]; ++p)
-        *to++ = static_cast<float>(a.value[static_cast<std::size_t>(p)]);
+    for (auto p = static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(first)]);
+         p < static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(first + size)]); ++p) {
+      const auto place = static_cast<std::size_t>(place_[p]);
+      value_[place] = a.value[p];
+      level.value[place] = static_cast<float>(a.value[p]);
     }
   });
   cycle_->renew(true);
@@ -68,47 +77,44 @@ std::string ScalarSystem::improve(const Eigen::Ref<const Eigen::MatrixXd>& b, do
     x.setZero();
     return "";
   }
-  for (std::size_t q = 0; q < b_.size(); ++q)
-    for (Index c = 0; c < b.cols(); ++c) {
-      b_[q].v[static_cast<std::size_t>(c)] = b(static_cast<Index>(q), c) / largest;
-      x_[q].v[static_cast<std::size_t>(c)] = x(static_cast<Index>(q), c) / largest;
-    }
+  const auto each_number = [&](const auto& visit) {
+    deform::parallel_blocks(b.rows(), kRows, [&](Index first, Index size) {
+      for (Index c = 0; c < b.cols(); ++c)
+        for (Index q = first; q < first + size; ++q)
+          visit(q, c, Index{node_[static_cast<std::size_t>(q)]});
+    });
+  };
+  each_number([&](Index q, Index c, Index node) {
+    b_(node, c) = b(q, c) / largest;
+    x_(node, c) = x(q, c) / largest;
+  });
   Level<Scalar>& level = cycle_->finest();
   const Ending end = gradients_.solve(
-      [&](Index q, const std::vector<Triple>& y) {
-        Triple sum;
-        for (auto p = static_cast<std::size_t>(a_.row_begin[static_cast<std::size_t>(q)]);
-             p < static_cast<std::size_t>(a_.row_begin[static_cast<std::size_t>(q) + 1]); ++p)
-          sum += a_.value[p] * y[static_cast<std::size_t>(a_.column[p])];
-        return sum;
+      [&](const NodeLanes<double>& y, Index first, Index size, NodeLanes<double>& out) {
+        multiply_scalars(level.quads.view(), value_.data(), y.data(), first, first + size,
+                         out.data());
       },
-      [&](const std::vector<Triple>& r, std::vector<Triple>& z) {
-        z.resize(r.size());
-        deform::parallel_blocks(static_cast<Index>(r.size()), kRows, [&](Index first, Index size) {
-          for (auto q = static_cast<std::size_t>(first); q < static_cast<std::size_t>(first + size);
-               ++q)
-            for (int c = 0; c < 3; ++c)
-              level.f[static_cast<std::size_t>(node_[q])].set(
-                  c, static_cast<float>(r[q].v[static_cast<std::size_t>(c)]));
-        });
-        cycle_->run();
-        deform::parallel_blocks(static_cast<Index>(r.size()), kRows, [&](Index first, Index size) {
-          for (auto q = static_cast<std::size_t>(first); q < static_cast<std::size_t>(first + size);
-               ++q)
-            for (int c = 0; c < 3; ++c)
-              z[q].v[static_cast<std::size_t>(c)] =
-                  static_cast<double>(level.x[static_cast<std::size_t>(node_[q])][c]);
-        });
-      },
-      b_, x_, tolerance, most, x.isZero(0) ? From::zero : From::guess);
+      [&](const NodeLanes<double>& r, NodeLanes<double>& z) { precondition(r, z); }, b_, x_,
+      tolerance, most, x.isZero(0) ? From::zero : From::guess);
   iterations_ = end.iterations;
   if (end.is_indefinite) return "not positive definite";
   if (!end.has_converged)
     return std::to_string(end.iterations) + " iterations do not reduce the residual enough";
-  for (std::size_t q = 0; q < x_.size(); ++q)
-    for (Index c = 0; c < b.cols(); ++c)
-      x(static_cast<Index>(q), c) = largest * x_[q].v[static_cast<std::size_t>(c)];
+  each_number([&](Index q, Index c, Index node) { x(q, c) = largest * x_(node, c); });
   return "";
+}
+
+/// One cycle, in single precision.
+void ScalarSystem::precondition(const NodeLanes<double>& r, NodeLanes<double>& z) {
+  Level<Scalar>& level = cycle_->finest();
+  z.resize(r.quads());
+  const auto each = [&](const auto& convert_some) {
+    deform::parallel_blocks(r.quads(), kQuads,
+                            [&](Index first, Index size) { convert_some(first, first + size); });
+  };
+  each([&](Index first, Index end) { convert(r.data(), first, end, level.f.data()); });
+  cycle_->run();
+  each([&](Index first, Index end) { convert(level.x.data(), first, end, z.data()); });
 }
 
 }  // namespace multigrid

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <deform/solve/sparse_matrix.h>
 
@@ -10,26 +11,6 @@
 #include "cycle.h"
 
 namespace multigrid {
-
-/// Three components of a node in double precision.
-struct Triple {
-  std::array<double, 3> v{};
-  Triple& operator+=(const Triple& o) {
-    for (std::size_t c = 0; c < 3; ++c) v[c] += o.v[c];
-    return *this;
-  }
-  Triple& operator-=(const Triple& o) {
-    for (std::size_t c = 0; c < 3; ++c) v[c] -= o.v[c];
-    return *this;
-  }
-  friend Triple operator+(Triple a, const Triple& b) { return a += b; }
-  friend Triple operator*(double s, const Triple& a) {
-    return {{s * a.v[0], s * a.v[1], s * a.v[2]}};
-  }
-  friend double dot(const Triple& a, const Triple& b) {
-    return a.v[0] * b.v[0] + a.v[1] * b.v[1] + a.v[2] * b.v[2];
-  }
-};
 
 /// Conjugate gradients in double precision; only the preconditioner is in single.
 class ScalarSystem {
@@ -45,11 +26,14 @@ class ScalarSystem {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  deform::SparseMatrix a_;          // of the last factor
-  std::vector<std::int32_t> node_;  // of an unknown
+  void precondition(const NodeLanes<double>& r, NodeLanes<double>& z);
+
+  std::vector<std::int32_t> node_;   // of an unknown
+  std::vector<std::int32_t> place_;  // of each entry, in the finest level's matrix …
+  std::vector<double> value_;        // … and in this one, of the last factor
   std::optional<Cycle<Scalar>> cycle_;
-  ConjugateGradients<Triple, double> gradients_;
-  std::vector<Triple> b_, x_;
+  ConjugateGradients<double> gradients_;
+  NodeLanes<double> b_, x_;
   int iterations_ = 0;
 };
 

@@ -11,11 +11,9 @@ namespace deform {
 /// The fundamental forms: G (3) and B (6).
 enum class Form : std::uint8_t { metric, curvature };
 
-/// C_ab of a block's samples, a and b from 11, 12, 22; symmetric.
+/// C_ab of a block's samples, a and b from 11, 12, 22; symmetric; 0 until it is set.
 class DEFORM_API FormStiffness {
  public:
-  // Not cleared: a block's samples are set one and all.
-  FormStiffness() {}  // NOLINT(modernize-use-equals-default)
   [[nodiscard]] double& operator()(Pair a, Pair b, Index sample) {
     return c_[place(a, b)][static_cast<std::size_t>(sample)];
   }
@@ -39,7 +37,7 @@ class DEFORM_API FormStiffness {
     const int i = slot(a) < slot(b) ? slot(a) : slot(b), j = slot(a) + slot(b) - i;
     return static_cast<std::size_t>(i == 0 ? j : i + j + 1);  // 00 01 02 11 12 22
   }
-  std::array<std::array<double, kBlock>, 6> c_;
+  std::array<std::array<double, kBlock>, 6> c_{};
 };
 
 /// A density w = ½ Σ_ab C_ab (T_a − T⁰_a)(T_b − T⁰_b) per parameter area [J/m²] for T = G or B; the

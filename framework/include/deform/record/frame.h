@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "deform/solve/integrator.h"
 #include "deform/solve/system.h"
@@ -34,9 +35,9 @@ struct RunContext {
   System& system;
   /// Makes the same simulation mirrored at z = 0, at its initial state.
   std::function<std::unique_ptr<CompanionRun>()> mirrored;
-  /// The run goes on from a checkpoint: what was written of earlier steps is there and stays, and
-  /// Plugin::load follows.
-  bool resumed = false;
+  /// The run goes on from the checkpoint at this step: what was written of earlier ones is there
+  /// and stays, this and later ones are written anew, and Plugin::load follows.
+  std::optional<long> resumed_at;
 };
 
 }  // namespace deform

@@ -13,6 +13,9 @@ class DEFORM_API Output : public Plugin {
  public:
   static constexpr PluginKind kKind = PluginKind::output;
   ~Output() override;
+  /// What it alone writes below the run's folder, "vtk": two outputs of a scene may not say the
+  /// same. Empty: says nothing.
+  [[nodiscard]] virtual std::string place() const;
   virtual void begin(const RunContext& context) = 0;
   virtual void write(const Frame& frame) = 0;
   /// What is left to do to write a frame, from copies: it is done in another thread while the run

@@ -21,8 +21,11 @@ class DEFORM_API LinearSolver : public Plugin {
   static constexpr PluginKind kKind = PluginKind::solver;
   ~LinearSolver() override;
 
+  /// From here on a solver is taken where the scene is silent.
+  static constexpr double kSuitable = 1;
   /// How well it suits such matrices: 0 not at all; the framework takes the highest when the scene
-  /// is silent.
+  /// is silent, the next where that one cannot, and one below kSuitable only where there is no
+  /// other.
   [[nodiscard]] virtual double suitability(const MatrixTraits& traits) const = 0;
   /// Looks at the pattern (and size) of A; values do not matter.
   virtual void analyse(const SparseMatrix& a, const MatrixTraits& traits) = 0;
@@ -31,8 +34,8 @@ class DEFORM_API LinearSolver : public Plugin {
   [[nodiscard]] virtual std::string factor(const SparseMatrix& a) = 0;
   /// B to X (n × k, column-major, not the same memory). Error (diverged): it cannot, try another.
   virtual void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) = 0;
-  /// The same from a guess X, only to a tolerance: X's error in a norm of the solver's choice is at
-  /// most that part of B's solution. Default: solve.
+  /// The same from a guess X: its error, in a norm of the solver's choice, is made smaller to at
+  /// most that part of itself, or to what rounding permits. Default: solve.
   virtual void improve(const Eigen::Ref<const Eigen::MatrixXd>& b, double tolerance,
                        Eigen::Ref<Eigen::MatrixXd> x);
 

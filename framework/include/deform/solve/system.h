@@ -181,8 +181,8 @@ class DEFORM_API System {
   /// and z alike [N/m]. Returns "" or why it is not positive definite.
   [[nodiscard]] std::string factor_tangent(const NodeValues& d);
   /// Solves with that factor: x = T y, Tᵀ(K + diag(d))T y = Tᵀb; b and x (N × 3). Prescribed
-  /// components of x are 0.
-  void solve_tangent(const NodeVectors& b, NodeVectors& x);
+  /// components of x are 0. Returns "" or why the solver cannot.
+  [[nodiscard]] std::string solve_tangent(const NodeVectors& b, NodeVectors& x);
   /// Both at once, for directions that need not be exact: the solution's error, in a norm of the
   /// solver's choice, is `tolerance` of that of 0 or less. Iterative where a solver suits. Returns
   /// "" or why the matrix is not positive definite.
@@ -215,7 +215,7 @@ class DEFORM_API System {
   void evaluate_with_jacobian(const State& state, double rate = 0);
   /// As factor_tangent and solve_tangent, with that matrix; "" or why it cannot be factorised.
   [[nodiscard]] std::string factor_jacobian(const NodeValues& d);
-  void solve_jacobian(const NodeVectors& b, NodeVectors& x);
+  [[nodiscard]] std::string solve_jacobian(const NodeVectors& b, NodeVectors& x);
 
   /// Writes the components of positions, or of velocities, that are tied to others.
   void follow_ties(NodeVectors& r) const;

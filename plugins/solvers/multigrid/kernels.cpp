@@ -1,0 +1,242 @@
+#include "kernels.h"
+
+#include <cstring>
+
+#include <deform/kernel.h>
+
+// Wide vectors pass between functions that are all inlined: no other file sees how.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace multigrid {
+namespace {
+
+/// The lanes of a quad of nodes in single precision, of two nodes in double precision, and a number
+/// of each row.
+using Quad [[gnu::vector_size(64)]] = float;
+using Pair [[gnu::vector_size(64)]] = double;
+using Four [[gnu::vector_size(16)]] = float;
+using Two [[gnu::vector_size(16)]] = double;
+
+template <class Vector, class Number>
+[[gnu::always_inline]] inline Vector load(const Number* from) {
+  Vector v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+template <class Vector, class Number>
+[[gnu::always_inline]] inline void store(const Vector& v, Number* to) {
+  std::memcpy(to, &v, sizeof v);
+}
+
+/// Each row's number in all of its lanes.
+[[gnu::always_inline]] inline Quad spread(const Four& v) {
+  return __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
+}
+[[gnu::always_inline]] inline Pair spread(const Two& v) {
+  return __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1);
+}
+[[gnu::always_inline]] inline Quad first_lanes(const Quad& v) {
+  return __builtin_shufflevector(v, v, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12);
+}
+[[gnu::always_inline]] inline Quad second_lanes(const Quad& v) {
+  return __builtin_shufflevector(v, v, 1, 1, 1, 1, 5, 5, 5, 5, 9, 9, 9, 9, 13, 13, 13, 13);
+}
+[[gnu::always_inline]] inline Quad third_lanes(const Quad& v) {
+  return __builtin_shufflevector(v, v, 2, 2, 2, 2, 6, 6, 6, 6, 10, 10, 10, 10, 14, 14, 14, 14);
+}
+
+/// The vector's lanes at the columns of an entry.
+template <class Number>
+struct InSequence {
+  const Number* y;
+  const std::int32_t* column;
+  [[gnu::always_inline]] const Number* at(std::int32_t e) const {
+    return y + 4 * static_cast<std::size_t>(column[e]);
+  }
+};
+template <class Number>
+struct Gathered {
+  const Number* y;
+  const std::int32_t* column;  // of the quad's first entry
+  std::int32_t first;          // entry
+  mutable Number lanes[16];
+  [[gnu::always_inline]] const Number* at(std::int32_t e) const {
+    const std::int32_t* four = column + 4 * static_cast<std::size_t>(e - first);
+    for (std::size_t row = 0; row < 4; ++row)
+      std::memcpy(lanes + 4 * row, y + 4 * static_cast<std::size_t>(four[row]), 4 * sizeof(Number));
+    return lanes;
+  }
+};
+
+/// Sum over the entries of one quad, two chains so that one does not wait for the other.
+template <class Lanes>
+[[gnu::always_inline]] inline void scalar_row(const Lanes& y, const float* value,
+                                              std::int32_t first, std::int32_t end, float* out) {
+  Quad even{}, odd{};
+  std::int32_t e = first;
+  for (; e + 1 < end; e += 2) {
+    const float* v = value + 4 * static_cast<std::size_t>(e);
+    even += spread(load<Four>(v)) * load<Quad>(y.at(e));
+    odd += spread(load<Four>(v + 4)) * load<Quad>(y.at(e + 1));
+  }
+  if (e < end)
+    even += spread(load<Four>(value + 4 * static_cast<std::size_t>(e))) * load<Quad>(y.at(e));
+  store(even + odd, out);
+}
+
+template <class Lanes>
+[[gnu::always_inline]] inline void scalar_row(const Lanes& y, const double* value,
+                                              std::int32_t first, std::int32_t end, double* out) {
+  Pair low{}, high{};
+  for (std::int32_t e = first; e < end; ++e) {
+    const double* v = value + 4 * static_cast<std::size_t>(e);
+    const double* lanes = y.at(e);
+    low += spread(load<Two>(v)) * load<Pair>(lanes);
+    high += spread(load<Two>(v + 2)) * load<Pair>(lanes + 8);
+  }
+  store(low, out);
+  store(high, out + 8);
+}
+
+[[gnu::always_inline]] inline Quad times_columns(const float* v, const Quad& x) {
+  return first_lanes(x) * load<Quad>(v) + second_lanes(x) * load<Quad>(v + 16) +
+         third_lanes(x) * load<Quad>(v + 32);
+}
+
+template <class Lanes>
+[[gnu::always_inline]] inline void block_row(const Lanes& y, const float* value, std::int32_t first,
+                                             std::int32_t end, float* out) {
+  Quad even{}, odd{};
+  std::int32_t e = first;
+  for (; e + 1 < end; e += 2) {
+    const float* v = value + 48 * static_cast<std::size_t>(e);
+    even += times_columns(v, load<Quad>(y.at(e)));
+    odd += times_columns(v + 48, load<Quad>(y.at(e + 1)));
+  }
+  if (e < end) even += times_columns(value + 48 * static_cast<std::size_t>(e), load<Quad>(y.at(e)));
+  store(even + odd, out);
+}
+
+template <class Number>
+[[gnu::always_inline]] inline void multiply_scalar_quads(const Quads::View& rows,
+                                                         const Number* value, const Number* y,
+                                                         Index first, Index end, Number* out) {
+  for (Index q = first; q < end; ++q) {
+    const std::int32_t begin = rows.begin[q], stop = rows.begin[q + 1];
+    if (rows.gather[q] < 0)
+      scalar_row(InSequence<Number>{y, rows.column}, value, begin, stop, out + 16 * q);
+    else
+      scalar_row(Gathered<Number>{y, rows.gathered + rows.gather[q], begin, {}}, value, begin, stop,
+                 out + 16 * q);
+  }
+}
+
+/// D⁻¹ r of a quad.
+struct ScalarInverse {
+  const float* inverse;
+  [[gnu::always_inline]] Quad operator()(Index q, const Quad& r) const {
+    return spread(load<Four>(inverse + 4 * q)) * r;
+  }
+};
+struct BlockInverse {
+  const float* inverse;
+  [[gnu::always_inline]] Quad operator()(Index q, const Quad& r) const {
+    return times_columns(inverse + 48 * q, r);
+  }
+};
+
+template <class ByInverse>
+[[gnu::always_inline]] inline void smooth(const Smoothing& s, Index first, Index end, float* next,
+                                          const ByInverse& by_inverse) {
+  if (s.x == nullptr) {
+    for (Index q = first; q < end; ++q)
+      store(s.damping * by_inverse(q, load<Quad>(s.f + 16 * q)), next + 16 * q);
+    return;
+  }
+  for (Index q = first; q < end; ++q) {
+    const Quad left = load<Quad>(s.f + 16 * q) - load<Quad>(s.product + 16 * q);
+    store(load<Quad>(s.x + 16 * q) + s.damping * by_inverse(q, left), next + 16 * q);
+  }
+}
+
+/// Two chains of sums of products.
+[[gnu::always_inline]] inline double sum_of(const Pair& low, const Pair& high) {
+  const Pair sum = low + high;
+  return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + (sum[2] + sum[6]);
+}
+
+}  // namespace
+
+DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const float* value, const float* y,
+                                    Index first, Index end, float* out) {
+  multiply_scalar_quads(rows, value, y, first, end, out);
+}
+
+DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const double* value, const double* y,
+                                    Index first, Index end, double* out) {
+  multiply_scalar_quads(rows, value, y, first, end, out);
+}
+
+DEFORM_KERNEL void multiply_blocks(const Quads::View& rows, const float* value, const float* y,
+                                   Index first, Index end, float* out) {
+  for (Index q = first; q < end; ++q) {
+    const std::int32_t begin = rows.begin[q], stop = rows.begin[q + 1];
+    if (rows.gather[q] < 0)
+      block_row(InSequence<float>{y, rows.column}, value, begin, stop, out + 16 * q);
+    else
+      block_row(Gathered<float>{y, rows.gathered + rows.gather[q], begin, {}}, value, begin, stop,
+                out + 16 * q);
+  }
+}
+
+DEFORM_KERNEL void smooth_scalars(const Smoothing& s, Index first, Index end, float* next) {
+  smooth(s, first, end, next, ScalarInverse{s.inverse});
+}
+
+DEFORM_KERNEL void smooth_blocks(const Smoothing& s, Index first, Index end, float* next) {
+  smooth(s, first, end, next, BlockInverse{s.inverse});
+}
+
+DEFORM_KERNEL double dot(const float* a, const float* b, Index first, Index end) {
+  using Half [[gnu::vector_size(32)]] = float;
+  Pair low{}, high{};
+  for (const float *x = a + 16 * first, *y = b + 16 * first; x < a + 16 * end; x += 16, y += 16) {
+    low +=
+        __builtin_convertvector(load<Half>(x), Pair) * __builtin_convertvector(load<Half>(y), Pair);
+    high += __builtin_convertvector(load<Half>(x + 8), Pair) *
+            __builtin_convertvector(load<Half>(y + 8), Pair);
+  }
+  return sum_of(low, high);
+}
+
+DEFORM_KERNEL double dot(const double* a, const double* b, Index first, Index end) {
+  Pair low{}, high{};
+  for (const double *x = a + 16 * first, *y = b + 16 * first; x < a + 16 * end; x += 16, y += 16) {
+    low += load<Pair>(x) * load<Pair>(y);
+    high += load<Pair>(x + 8) * load<Pair>(y + 8);
+  }
+  return sum_of(low, high);
+}
+
+DEFORM_KERNEL void add(float factor, const float* from, Index first, Index end, float* to) {
+  for (Index i = 16 * first; i < 16 * end; ++i) to[i] += factor * from[i];
+}
+DEFORM_KERNEL void add(double factor, const double* from, Index first, Index end, double* to) {
+  for (Index i = 16 * first; i < 16 * end; ++i) to[i] += factor * from[i];
+}
+DEFORM_KERNEL void scale_and_add(float factor, const float* from, Index first, Index end,
+                                 float* to) {
+  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = from[i] + factor * to[i];
+}
+DEFORM_KERNEL void scale_and_add(double factor, const double* from, Index first, Index end,
+                                 double* to) {
+  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = from[i] + factor * to[i];
+}
+DEFORM_KERNEL void convert(const double* from, Index first, Index end, float* to) {
+  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = static_cast<float>(from[i]);
+}
+DEFORM_KERNEL void convert(const float* from, Index first, Index end, double* to) {
+  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = static_cast<double>(from[i]);
+}
+
+}  // namespace multigrid
