@@ -26,8 +26,7 @@ void save_report(const StepReport& report, Memory& memory) {
        {report.iterations, report.solver_iterations, report.substeps, report.rejected})
     counts.push_back(static_cast<double>(count));
   memory.put(kCounts, counts);
-  memory.put(kFigures,
-             {report.smallest, report.largest, report.residual, report.potential_change});
+  memory.put(kFigures, {report.smallest, report.largest, report.residual, report.potential_change});
   memory.put(kResiduals, report.residuals);
 }
 
