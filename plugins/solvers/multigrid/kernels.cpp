@@ -68,28 +68,42 @@ struct Gathered {
   }
 };
 
-/// Sum over the entries of one quad, two chains so that one does not wait for the other.
-template <class Lanes>
-[[gnu::always_inline]] inline void scalar_row(const Lanes& y, const float* value,
-                                              std::int32_t first, std::int32_t end, float* out) {
+/// An entry of four rows, times the lanes at its columns: one number a row, or three columns.
+struct ScalarEntry {
+  static constexpr Index kNumbers = 4;
+  [[gnu::always_inline]] static Quad times(const float* v, const Quad& x) {
+    return spread(load<Four>(v)) * x;
+  }
+};
+struct BlockEntry {
+  static constexpr Index kNumbers = 48;
+  [[gnu::always_inline]] static Quad times(const float* v, const Quad& x) {
+    return first_lanes(x) * load<Quad>(v) + second_lanes(x) * load<Quad>(v + 16) +
+           third_lanes(x) * load<Quad>(v + 32);
+  }
+};
+
+/// Sums over the entries of one quad: in single precision two chains, so that one does not wait for
+/// the other; in double precision the two halves of the quad are.
+template <class Entry, class Columns>
+[[gnu::always_inline]] inline void sum_entries(const Columns& y, const float* value,
+                                               std::int32_t first, std::int32_t end, float* out) {
   Quad even{}, odd{};
   std::int32_t e = first;
   for (; e + 1 < end; e += 2) {
-    const float* v = value + 4 * static_cast<std::size_t>(e);
-    even += spread(load<Four>(v)) * load<Quad>(y.at(e));
-    odd += spread(load<Four>(v + 4)) * load<Quad>(y.at(e + 1));
+    const float* v = value + Entry::kNumbers * e;
+    even += Entry::times(v, load<Quad>(y.at(e)));
+    odd += Entry::times(v + Entry::kNumbers, load<Quad>(y.at(e + 1)));
   }
-  if (e < end)
-    even += spread(load<Four>(value + 4 * static_cast<std::size_t>(e))) * load<Quad>(y.at(e));
+  if (e < end) even += Entry::times(value + Entry::kNumbers * e, load<Quad>(y.at(e)));
   store(even + odd, out);
 }
-
-template <class Lanes>
-[[gnu::always_inline]] inline void scalar_row(const Lanes& y, const double* value,
-                                              std::int32_t first, std::int32_t end, double* out) {
+template <class Entry, class Columns>
+[[gnu::always_inline]] inline void sum_entries(const Columns& y, const double* value,
+                                               std::int32_t first, std::int32_t end, double* out) {
   Pair low{}, high{};
   for (std::int32_t e = first; e < end; ++e) {
-    const double* v = value + 4 * static_cast<std::size_t>(e);
+    const double* v = value + Entry::kNumbers * e;
     const double* lanes = y.at(e);
     low += spread(load<Two>(v)) * load<Pair>(lanes);
     high += spread(load<Two>(v + 2)) * load<Pair>(lanes + 8);
@@ -98,64 +112,33 @@ template <class Lanes>
   store(high, out + 8);
 }
 
-[[gnu::always_inline]] inline Quad times_columns(const float* v, const Quad& x) {
-  return first_lanes(x) * load<Quad>(v) + second_lanes(x) * load<Quad>(v + 16) +
-         third_lanes(x) * load<Quad>(v + 32);
-}
-
-template <class Lanes>
-[[gnu::always_inline]] inline void block_row(const Lanes& y, const float* value, std::int32_t first,
-                                             std::int32_t end, float* out) {
-  Quad even{}, odd{};
-  std::int32_t e = first;
-  for (; e + 1 < end; e += 2) {
-    const float* v = value + 48 * static_cast<std::size_t>(e);
-    even += times_columns(v, load<Quad>(y.at(e)));
-    odd += times_columns(v + 48, load<Quad>(y.at(e + 1)));
-  }
-  if (e < end) even += times_columns(value + 48 * static_cast<std::size_t>(e), load<Quad>(y.at(e)));
-  store(even + odd, out);
-}
-
-template <class Number>
-[[gnu::always_inline]] inline void multiply_scalar_quads(const Quads::View& rows,
-                                                         const Number* value, const Number* y,
-                                                         Index first, Index end, Number* out) {
+template <class Entry, class Number>
+[[gnu::always_inline]] inline void multiply(const Quads::View& rows, const Number* value,
+                                            const Number* y, Index first, Index end, Number* out) {
   for (Index q = first; q < end; ++q) {
     const std::int32_t begin = rows.begin[q], stop = rows.begin[q + 1];
     if (rows.gather[q] < 0)
-      scalar_row(InSequence<Number>{y, rows.column}, value, begin, stop, out + 16 * q);
+      sum_entries<Entry>(InSequence<Number>{y, rows.column}, value, begin, stop, out + 16 * q);
     else
-      scalar_row(Gathered<Number>{y, rows.gathered + rows.gather[q], begin, {}}, value, begin, stop,
-                 out + 16 * q);
+      sum_entries<Entry>(Gathered<Number>{y, rows.gathered + rows.gather[q], begin, {}}, value,
+                         begin, stop, out + 16 * q);
   }
 }
 
-/// D⁻¹ r of a quad.
-struct ScalarInverse {
-  const float* inverse;
-  [[gnu::always_inline]] Quad operator()(Index q, const Quad& r) const {
-    return spread(load<Four>(inverse + 4 * q)) * r;
-  }
-};
-struct BlockInverse {
-  const float* inverse;
-  [[gnu::always_inline]] Quad operator()(Index q, const Quad& r) const {
-    return times_columns(inverse + 48 * q, r);
-  }
-};
-
-template <class ByInverse>
-[[gnu::always_inline]] inline void smooth(const Smoothing& s, Index first, Index end, float* next,
-                                          const ByInverse& by_inverse) {
+/// The inverse of the diagonal is an entry a quad.
+template <class Entry>
+[[gnu::always_inline]] inline void smooth(const Smoothing& s, Index first, Index end, float* next) {
   if (s.x == nullptr) {
     for (Index q = first; q < end; ++q)
-      store(s.damping * by_inverse(q, load<Quad>(s.f + 16 * q)), next + 16 * q);
+      store(s.damping * Entry::times(s.inverse + Entry::kNumbers * q, load<Quad>(s.f + 16 * q)),
+            next + 16 * q);
     return;
   }
   for (Index q = first; q < end; ++q) {
     const Quad left = load<Quad>(s.f + 16 * q) - load<Quad>(s.product + 16 * q);
-    store(load<Quad>(s.x + 16 * q) + s.damping * by_inverse(q, left), next + 16 * q);
+    store(
+        load<Quad>(s.x + 16 * q) + s.damping * Entry::times(s.inverse + Entry::kNumbers * q, left),
+        next + 16 * q);
   }
 }
 
@@ -169,32 +152,22 @@ template <class ByInverse>
 
 DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const float* value, const float* y,
                                     Index first, Index end, float* out) {
-  multiply_scalar_quads(rows, value, y, first, end, out);
+  multiply<ScalarEntry>(rows, value, y, first, end, out);
 }
-
 DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const double* value, const double* y,
                                     Index first, Index end, double* out) {
-  multiply_scalar_quads(rows, value, y, first, end, out);
+  multiply<ScalarEntry>(rows, value, y, first, end, out);
 }
-
 DEFORM_KERNEL void multiply_blocks(const Quads::View& rows, const float* value, const float* y,
                                    Index first, Index end, float* out) {
-  for (Index q = first; q < end; ++q) {
-    const std::int32_t begin = rows.begin[q], stop = rows.begin[q + 1];
-    if (rows.gather[q] < 0)
-      block_row(InSequence<float>{y, rows.column}, value, begin, stop, out + 16 * q);
-    else
-      block_row(Gathered<float>{y, rows.gathered + rows.gather[q], begin, {}}, value, begin, stop,
-                out + 16 * q);
-  }
+  multiply<BlockEntry>(rows, value, y, first, end, out);
 }
 
 DEFORM_KERNEL void smooth_scalars(const Smoothing& s, Index first, Index end, float* next) {
-  smooth(s, first, end, next, ScalarInverse{s.inverse});
+  smooth<ScalarEntry>(s, first, end, next);
 }
-
 DEFORM_KERNEL void smooth_blocks(const Smoothing& s, Index first, Index end, float* next) {
-  smooth(s, first, end, next, BlockInverse{s.inverse});
+  smooth<BlockEntry>(s, first, end, next);
 }
 
 DEFORM_KERNEL double dot(const float* a, const float* b, Index first, Index end) {
