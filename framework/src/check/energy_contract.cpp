@@ -6,6 +6,7 @@
 
 #include "check/bitwise.h"
 #include "check/contracts.h"
+#include "model/term_detail.h"
 
 namespace deform {
 namespace {
@@ -21,7 +22,7 @@ class JetBench {
   JetBench(const JetTerm& term, const Surface& surface, const NodeVectors& r)
       : term_(term), traits_(term.traits()), samples_(surface.samples(term.role())) {
     for (Geometry* g : {&now_, &rest_}) *g = Geometry(samples_);
-    now_.compute(samples_, r);
+    now_.compute(samples_, r, detail_of(term, traits_));
     rest_.compute(samples_, surface.rest());
     make_auxiliary();
   }
@@ -72,9 +73,9 @@ class JetBench {
     AffineStress::ConstantTable constants;
     for (std::size_t m = 0; m < constants.size(); ++m)
       constants[m] = {rooms[3 * m].data(), rooms[3 * m + 1].data(), rooms[3 * m + 2].data()};
-    if (traits_.lagged == Lagged::none) {
+    if (traits_.lagged == Lagged::none || traits_.direct_stress)
       term_.stress(block, Stress{constants});
-    } else {
+    if (traits_.lagged != Lagged::none) {
       std::vector<Coupling> couplings = term_.couplings();
       const std::size_t first_k = rooms.size();
       rooms.resize(first_k + couplings.size(), GuardedRoom(block.size(), prefill));

@@ -1,6 +1,8 @@
 #include "deform/geometry/geometry.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "deform/kernel.h"
 #include "deform/parallel.h"
@@ -16,11 +18,18 @@ DEFORM_KERNEL void add(Index size, double d, const double* __restrict x, double*
   for (Index i = 0; i < size; ++i) out[i] += d * x[i];
 }
 
-/// r_1, r_2, r_11, r_12, r_22: the operators' rows applied to the positions, for samples of a run.
-void write_jets(const SampleSet& samples, const NodeVectors& r, double* data, Index stride,
-                Index first, Index size) {
+/// Derivatives of the jet.
+struct Derivatives {
+  int begin, end;
+};
+constexpr Derivatives kFirst{1, 3}, kSecond{3, kDerivatives};
+
+/// Some of r_1, r_2, r_11, r_12, r_22: the operators' rows applied to the positions, for samples of
+/// a run.
+void write_jets(const SampleSet& samples, const NodeVectors& r, Derivatives which, double* data,
+                Index stride, Index first, Index size) {
   const SampleSet::Stencil at = samples.stencil(first);
-  for (int m = 1; m < kDerivatives; ++m)
+  for (int m = which.begin; m < which.end; ++m)
     for (int c = 0; c < 3; ++c) {
       double* out = data + (3 * (m - 1) + c) * stride + first;
       std::fill_n(out, size, 0.0);
@@ -30,35 +39,69 @@ void write_jets(const SampleSet& samples, const NodeVectors& r, double* data, In
     }
 }
 
+/// Normals along a frame of their own, where samples have one.
+void write_framed_normals(const SampleSet& samples, const NodeVectors& r, double* data,
+                          Index stride, Index first, Index size) {
+  const auto& frames = samples.frames();
+  auto frame = std::lower_bound(frames.begin(), frames.end(), first,
+                                [](const SampleSet::Frame& f, Index s) { return f.sample < s; });
+  for (; frame != frames.end() && frame->sample < first + size; ++frame) {
+    Vec3 t_1 = Vec3::Zero(), t_2 = Vec3::Zero();
+    for (const SampleStencil::FrameEntry& entry : frame->entries) {
+      t_1 += entry.d[0] * r.row(entry.node).transpose();
+      t_2 += entry.d[1] * r.row(entry.node).transpose();
+    }
+    const Vec3 n = unit_normal(t_1, t_2);
+    for (int c = 0; c < 3; ++c) data[(GeometryBlock::kNormal + c) * stride + frame->sample] = n[c];
+  }
+}
+
+/// Fields that Detail::first leaves out, [begin, end).
+constexpr std::array<std::array<int, 2>, 3> kSecondFields{
+    {{6, GeometryBlock::kNormal},
+     {GeometryBlock::kCurvature, GeometryBlock::kReciprocal},
+     {GeometryBlock::kChristoffel, GeometryBlock::kAreaElement}}};
+
 }  // namespace
 
 Geometry::Geometry(const SampleSet& samples)
     : size_(samples.size()),
       stride_(samples.stride()),
-      data_(static_cast<std::size_t>(GeometryBlock::kFields * stride_)) {}
+      data_(static_cast<std::size_t>(GeometryBlock::kFields * stride_),
+            std::numeric_limits<double>::quiet_NaN()) {}
 
-void Geometry::compute(const SampleSet& samples, const NodeVectors& r) {
+void Geometry::compute(const SampleSet& samples, const NodeVectors& r, Detail detail) {
+  if (detail < detail_) leave_out(detail);
+  detail_ = detail;
+  if (detail == Detail::none) return;
   parallel_blocks(size_, kBlock, [&](Index first, Index size) {
-    const auto& frames = samples.frames();
-    samples.visit_runs(first, size, [&](Index begin, Index count) {
-      write_jets(samples, r, data_.data(), stride_, begin, count);
-    });
+    const auto write = [&](Derivatives which) {
+      samples.visit_runs(first, size, [&](Index begin, Index count) {
+        write_jets(samples, r, which, data_.data(), stride_, begin, count);
+      });
+    };
+    write(kFirst);
     write_normals(data_.data(), stride_, first, size);
-    auto frame = std::lower_bound(frames.begin(), frames.end(), first,
-                                  [](const SampleSet::Frame& f, Index s) { return f.sample < s; });
-    for (; frame != frames.end() && frame->sample < first + size; ++frame) {
-      Vec3 t_1 = Vec3::Zero(), t_2 = Vec3::Zero();
-      for (const SampleStencil::FrameEntry& entry : frame->entries) {
-        t_1 += entry.d[0] * r.row(entry.node).transpose();
-        t_2 += entry.d[1] * r.row(entry.node).transpose();
-      }
-      const Vec3 n = unit_normal(t_1, t_2);
-      for (int c = 0; c < 3; ++c)
-        data_[static_cast<std::size_t>((GeometryBlock::kNormal + c) * stride_ + frame->sample)] =
-            n[c];
-    }
-    write_forms(data_.data(), stride_, first, size);
+    write_framed_normals(samples, r, data_.data(), stride_, first, size);
+    write_metric(data_.data(), stride_, first, size);
+    if (detail == Detail::first) return;
+    write(kSecond);
+    write_curvature(data_.data(), stride_, first, size);
   });
+}
+
+void Geometry::complete(const SampleSet& samples, const NodeVectors& r) {
+  if (detail_ != Detail::second) compute(samples, r);
+}
+
+/// What is not computed any more must not look as if it were.
+void Geometry::leave_out(Detail beyond) {
+  const auto fill = [&](int begin, int end) {
+    std::fill_n(data_.begin() + begin * stride_, (end - begin) * stride_,
+                std::numeric_limits<double>::quiet_NaN());
+  };
+  if (beyond == Detail::none) return fill(0, GeometryBlock::kFields);
+  for (const auto& [begin, end] : kSecondFields) fill(begin, end);
 }
 
 void Geometry::blend(double s, const Geometry& other) {

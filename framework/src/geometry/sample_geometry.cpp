@@ -9,7 +9,8 @@ namespace {
 
 using Field = GeometryBlock;
 
-/// Arrays of a block's fields, one number a sample.
+/// Arrays of a block's fields, one number a sample. They do not overlap: what the pragmas below
+/// tell the compiler.
 struct Fields {
   double* data;
   Index stride;
@@ -32,37 +33,50 @@ DEFORM_KERNEL void normals(Index size, const double* __restrict jet, Index strid
   }
 }
 
-/// out = a·b of vectors.
-DEFORM_KERNEL void products(Index size, const double* __restrict a, const double* __restrict b,
-                            Index stride, double* __restrict out) {
-  for (Index s = 0; s < size; ++s)
-    out[s] = a[s] * b[s] + a[stride + s] * b[stride + s] + a[2 * stride + s] * b[2 * stride + s];
+/// Three numbers a sample, from array to array.
+struct Triple {
+  const double *x, *y, *z;
+  Triple(const double* data, Index stride) : x(data), y(data + stride), z(data + 2 * stride) {}
+};
+[[gnu::always_inline]] inline double product(const Triple& a, const Triple& b, Index s) {
+  return a.x[s] * b.x[s] + a.y[s] * b.y[s] + a.z[s] * b.z[s];
 }
 
-/// A degenerate metric (a tangent that is not computable at the border, or a crushed cell) has no
-/// reciprocal: all that needs it is 0, as the paper's section 4 ends.
-DEFORM_KERNEL void reciprocals(Index size, const double* __restrict G, Index stride,
-                               double* __restrict R, double* __restrict area) {
+/// G (3), the reciprocal metric (13) and the area element. A degenerate metric (a tangent that is
+/// not computable at the border, or a crushed cell) has no reciprocal: all that needs it is 0, as
+/// the paper's section 4 ends.
+DEFORM_KERNEL void metric(Index size, const double* jet, Index stride, double* G, double* R,
+                          double* area) {
+  const Triple r_1(jet, stride), r_2(jet + 3 * stride, stride);
+  double *G_12 = G + stride, *G_22 = G + 2 * stride, *R_12 = R + stride, *R_22 = R + 2 * stride;
+#pragma GCC ivdep
   for (Index s = 0; s < size; ++s) {
-    const double G_11 = G[s], G_12 = G[stride + s], G_22 = G[2 * stride + s];
-    const double det = G_11 * G_22 - G_12 * G_12;
+    const double g_11 = product(r_1, r_1, s), g_12 = product(r_1, r_2, s),
+                 g_22 = product(r_2, r_2, s);
+    G[s] = g_11, G_12[s] = g_12, G_22[s] = g_22;
+    const double det = g_11 * g_22 - g_12 * g_12;
     const bool is_regular = det > 0;
     const double positive = is_regular ? det : 1.0;
     const double inverse = is_regular ? 1 / positive : 0.0;
     area[s] = is_regular ? std::sqrt(positive) : 0.0;
-    R[s] = G_22 * inverse;  // (13)
-    R[stride + s] = -G_12 * inverse;
-    R[2 * stride + s] = G_11 * inverse;
+    R[s] = g_22 * inverse;  // (13)
+    R_12[s] = -g_12 * inverse;
+    R_22[s] = g_11 * inverse;
   }
 }
 
-/// Γ^1_ij and Γ^2_ij from R and r_ij·r_1, r_ij·r_2, which are where they go (15).
-DEFORM_KERNEL void christoffel(Index size, const double* __restrict R, Index stride,
-                               double* __restrict first, double* __restrict second) {
+/// B_ij (6), Γ^1_ij and Γ^2_ij (15) of one pair ij.
+DEFORM_KERNEL void curvature(Index size, const double* jet, const double* normal,
+                             const double* second, const double* R, Index stride, double* B,
+                             double* gamma_1, double* gamma_2) {
+  const Triple r_1(jet, stride), r_2(jet + 3 * stride, stride), n(normal, stride),
+      r_ij(second, stride), reciprocal(R, stride);
+#pragma GCC ivdep
   for (Index s = 0; s < size; ++s) {
-    const double along_1 = first[s], along_2 = second[s];
-    first[s] = R[s] * along_1 + R[stride + s] * along_2;
-    second[s] = R[stride + s] * along_1 + R[2 * stride + s] * along_2;
+    B[s] = product(n, r_ij, s);
+    const double along_1 = product(r_ij, r_1, s), along_2 = product(r_ij, r_2, s);
+    gamma_1[s] = reciprocal.x[s] * along_1 + reciprocal.y[s] * along_2;
+    gamma_2[s] = reciprocal.y[s] * along_1 + reciprocal.z[s] * along_2;
   }
 }
 
@@ -96,22 +110,17 @@ void write_normals(double* data, Index stride, Index first, Index size) {
   normals(size, at(0), stride, at(Field::kNormal));
 }
 
-void write_forms(double* data, Index stride, Index first, Index size) {
+void write_metric(double* data, Index stride, Index first, Index size) {
   const Fields at{data + first, stride};
-  const double *r_1 = at(0), *r_2 = at(3), *n = at(Field::kNormal);
-  products(size, r_1, r_1, stride, at(Field::kMetric));  // (3)
-  products(size, r_1, r_2, stride, at(Field::kMetric + 1));
-  products(size, r_2, r_2, stride, at(Field::kMetric + 2));
-  reciprocals(size, at(Field::kMetric), stride, at(Field::kReciprocal), at(Field::kAreaElement));
-  for (int ij = 0; ij < 3; ++ij) {
-    const double* r_ij = at(6 + 3 * ij);
-    products(size, n, r_ij, stride, at(Field::kCurvature + ij));  // (6)
-    double *first_kind_1 = at(Field::kChristoffel + ij),
-           *first_kind_2 = at(Field::kChristoffel + 3 + ij);
-    products(size, r_ij, r_1, stride, first_kind_1);
-    products(size, r_ij, r_2, stride, first_kind_2);
-    christoffel(size, at(Field::kReciprocal), stride, first_kind_1, first_kind_2);
-  }
+  metric(size, at(0), stride, at(Field::kMetric), at(Field::kReciprocal), at(Field::kAreaElement));
+}
+
+void write_curvature(double* data, Index stride, Index first, Index size) {
+  const Fields at{data + first, stride};
+  for (int ij = 0; ij < 3; ++ij)
+    curvature(size, at(0), at(Field::kNormal), at(6 + 3 * ij), at(Field::kReciprocal), stride,
+              at(Field::kCurvature + ij), at(Field::kChristoffel + ij),
+              at(Field::kChristoffel + 3 + ij));
   weingarten(size, at(Field::kMetric), at(Field::kCurvature), stride, at(Field::kWeingarten));
 }
 
@@ -121,7 +130,8 @@ void write_sample(double* data, Index stride, Index s, const SampleGeometry& g) 
   };
   for (int m = 0; m < 5; ++m) put(3 * m, g.jet[static_cast<std::size_t>(m)]);
   put(Field::kNormal, g.n);
-  write_forms(data, stride, s, 1);
+  write_metric(data, stride, s, 1);
+  write_curvature(data, stride, s, 1);
 }
 
 }  // namespace deform

@@ -16,10 +16,12 @@ struct SampleGeometry {
 /// r_1×r_2/|r_1×r_2| (6), zero where the tangents are parallel.
 [[nodiscard]] Vec3 unit_normal(const Vec3& r_1, const Vec3& r_2);
 
-/// All three are for samples first … first+size−1 of storage of GeometryBlock's layout: n from the
-/// jets that are there; what follows from jets and n; and all fields of one sample.
+/// All of these are for samples first … first+size−1 of storage of GeometryBlock's layout: n from
+/// r_1 and r_2, which are there; what else follows from these; what follows from the whole jet, n
+/// and that; and all fields of one sample.
 void write_normals(double* data, Index stride, Index first, Index size);
-void write_forms(double* data, Index stride, Index first, Index size);
+void write_metric(double* data, Index stride, Index first, Index size);
+void write_curvature(double* data, Index stride, Index first, Index size);
 void write_sample(double* data, Index stride, Index s, const SampleGeometry& g);
 
 }  // namespace deform

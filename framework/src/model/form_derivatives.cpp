@@ -1,140 +1,166 @@
 #include "model/form_derivatives.h"
 
-#include <algorithm>
-
-#include "deform/kernel.h"
-
 namespace deform {
 namespace {
 
-/// out += factor x y.
-DEFORM_KERNEL void add_product(Index size, double factor, const double* __restrict x,
-                               const double* __restrict y, double* __restrict out) {
-  for (Index s = 0; s < size; ++s) out[s] += factor * x[s] * y[s];
-}
-
-/// out += x (c y − a u) − v (b w): an entry of c n nᵀ − a n uᵀ − b v wᵀ.
-DEFORM_KERNEL void add_entry(Index size, const double* __restrict x, const double* __restrict c,
-                             const double* __restrict y, const double* __restrict a,
-                             const double* __restrict u, const double* __restrict b,
-                             const double* __restrict v, const double* __restrict w,
-                             double* __restrict out) {
-  for (Index s = 0; s < size; ++s)
-    out[s] += x[s] * (c[s] * y[s] - a[s] * u[s]) - b[s] * v[s] * w[s];
-}
-DEFORM_KERNEL void add_entry(Index size, const double* __restrict x, const double* __restrict c,
-                             const double* __restrict y, const double* __restrict a,
-                             const double* __restrict u, double* __restrict out) {
-  for (Index s = 0; s < size; ++s) out[s] += x[s] * (c[s] * y[s] - a[s] * u[s]);
-}
-DEFORM_KERNEL void add_entry(Index size, const double* __restrict x, const double* __restrict c,
-                             const double* __restrict y, double* __restrict out) {
-  for (Index s = 0; s < size; ++s) out[s] += x[s] * c[s] * y[s];
-}
-
-/// r^1 and r^2 (2 × 3): r^k = G^kl r_l.
-using Dual = std::array<BlockTensor, 2>;
-Dual dual_tangents(const GeometryBlock& g) {
-  Dual dual{};
-  for (int k = 0; k < 2; ++k)
-    for (int l = 0; l < 2; ++l) {
-      const double* reciprocal = g.reciprocal(kPairs[static_cast<std::size_t>(k + l)]).data();
-      const ConstVectors r = g.r(first(l + 1));
-      BlockTensor& out = dual[static_cast<std::size_t>(k)];
-      add_product(g.size(), 1, reciprocal, r.x, out[0].data());
-      add_product(g.size(), 1, reciprocal, r.y, out[1].data());
-      add_product(g.size(), 1, reciprocal, r.z, out[2].data());
-    }
-  return dual;
-}
-
 Derivative derivative(int m) { return static_cast<Derivative>(m + 1); }
+
+Components components(const ConstVectors& v) { return {v.x, v.y, v.z}; }
+Components components(const BlockTensor& t) { return {t[0].data(), t[1].data(), t[2].data()}; }
+std::array<double*, 3> writable(const Vectors& v) { return {v.x, v.y, v.z}; }
+std::array<double*, 3> writable(BlockTensor& t) { return {t[0].data(), t[1].data(), t[2].data()}; }
+
+Symmetric entries(const FormStiffness& C) {
+  using enum Pair;
+  return {C.values(p11, p11), C.values(p11, p12), C.values(p11, p22),
+          C.values(p12, p12), C.values(p12, p22), C.values(p22, p22)};
+}
+/// Γ^m_11, Γ^m_12, Γ^m_22; m counted from 0.
+Components gamma(const GeometryBlock& g, int m) {
+  return {g.gamma(m + 1, Pair::p11).data(), g.gamma(m + 1, Pair::p12).data(),
+          g.gamma(m + 1, Pair::p22).data()};
+}
+/// B_11, B_12, B_22.
+Components curvature(const GeometryBlock& g) {
+  return {g.B(Pair::p11).data(), g.B(Pair::p12).data(), g.B(Pair::p22).data()};
+}
+const double* reciprocal(const GeometryBlock& g, int k, int l) {
+  return g.reciprocal(kPairs[static_cast<std::size_t>(k + l)]).data();
+}
+EntriesOut block(const JetTangent& h, Derivative m, Derivative n) {
+  return {h.entry(m, n, 0, 0), h.stride()};
+}
+
+/// ∂G_a/∂r_m has two columns that are not 0: (2 r_1, r_2, ·) for m = 1, (·, r_1, 2 r_2) for m = 2.
+struct Columns {
+  std::size_t first;               ///< a of the one along r_1; that along r_2 is the next
+  std::array<double, 2> of_r_1_2;  ///< factors
+};
+constexpr std::array<Columns, 2> kColumns{{{0, {2, 1}}, {1, {1, 2}}}};
+
+/// What Σ_a M_a ∂²B_a has beside λ.
+struct SecondDerivatives {
+  SecondDerivatives(const GeometryBlock& g, const BlockTensor& M) : lambda(g, M) {
+    const ConstVectors r_1 = g.r(Derivative::d1), r_2 = g.r(Derivative::d2);
+    for (int k = 0; k < 2; ++k)
+      find_dual(g.size(), {reciprocal(g, k, 0), reciprocal(g, k, 1)}, components(r_1),
+                components(r_2), writable(dual[static_cast<std::size_t>(k)]));
+    negated_product(g.size(), components(M), curvature(g), minus_MB.data());
+  }
+  CurvatureStress lambda;
+  std::array<BlockTensor, 2> dual;  // r^1, r^2
+  BlockValues minus_MB;             // −Σ_a M_a B_a
+};
 
 }  // namespace
 
-void multiply(const FormStiffness& c, const BlockTensor& x, Index size, BlockTensor& out) {
-  for (const Pair a : kPairs) {
-    BlockValues& sum = out[static_cast<std::size_t>(slot(a))];
-    std::fill_n(sum.begin(), size, 0.0);
-    for (const Pair b : kPairs)
-      add_product(size, 1, c.values(a, b), x[static_cast<std::size_t>(slot(b))].data(), sum.data());
-  }
+void multiply(const FormStiffness& C, const BlockTensor& x, Index size, BlockTensor& out) {
+  multiply_tensor(size, entries(C), components(x), writable(out));
 }
 
-void CurvatureRows::quadratic(const FormStiffness& c, int m, int k, BlockValues& out) const {
-  const Index size = geometry_.size();
-  if (m >= 2) {
-    std::copy_n(
-        c.values(kPairs[static_cast<std::size_t>(m - 2)], kPairs[static_cast<std::size_t>(k - 2)]),
-        size, out.begin());
-    return;
-  }
-  std::fill_n(out.begin(), size, 0.0);
-  for (int a = 0; a < 3; ++a) {
-    const Pair row = kPairs[static_cast<std::size_t>(a)];
-    if (k >= 2) {
-      add_product(size, -1, gamma(m, a), c.values(row, kPairs[static_cast<std::size_t>(k - 2)]),
-                  out.data());
-      continue;
+void add_metric_stress(const GeometryBlock& geometry, const BlockTensor& S, const Stress& sigma) {
+  const Index size = geometry.size();
+  const Components r_1 = components(geometry.r(Derivative::d1)),
+                   r_2 = components(geometry.r(Derivative::d2));
+  add_twice_and_once(size, S[0].data(), r_1, S[1].data(), r_2, writable(sigma(Derivative::d1)));
+  add_twice_and_once(size, S[2].data(), r_2, S[1].data(), r_1, writable(sigma(Derivative::d2)));
+}
+
+void add_metric_tangent(const GeometryBlock& geometry, const FormStiffness& C, const BlockTensor* K,
+                        const JetTangent& h) {
+  const Components r_1 = components(geometry.r(Derivative::d1)),
+                   r_2 = components(geometry.r(Derivative::d2));
+  for (std::size_t m = 0; m < 2; ++m)
+    for (std::size_t n = m; n < 2; ++n) {
+      std::array<const double*, 4> c{};
+      for (std::size_t a = 0; a < 2; ++a)
+        for (std::size_t b = 0; b < 2; ++b)
+          c[2 * a + b] = C.values(kPairs[kColumns[m].first + a], kPairs[kColumns[n].first + b]);
+      add_block(geometry.size(),
+                MetricBlock{r_1, r_2, c, kColumns[m].of_r_1_2, kColumns[n].of_r_1_2,
+                            K == nullptr ? nullptr : (*K)[m + n].data()},
+                block(h, static_cast<Derivative>(m + 1), static_cast<Derivative>(n + 1)));
     }
-    BlockValues sum{};  // Σ_b C_ab Γ^k_b
-    for (int b = 0; b < 3; ++b)
-      add_product(size, 1, c.values(row, kPairs[static_cast<std::size_t>(b)]), gamma(k, b),
-                  sum.data());
-    add_product(size, 1, gamma(m, a), sum.data(), out.data());
+}
+
+CurvatureStress::CurvatureStress(const GeometryBlock& geometry, const BlockTensor& M) {
+  for (int m = 0; m < kJet; ++m) {
+    const auto at = static_cast<std::size_t>(m);
+    if (m < 2)
+      combine_with_gamma(geometry.size(), gamma(geometry, m), components(M),
+                         tangential_[at].data());
+    lambda_[at] = m < 2 ? tangential_[at].data() : M[at - 2].data();
   }
 }
 
-void CurvatureRows::combined(const BlockTensor& M, int m, BlockValues& out) const {
-  const Index size = geometry_.size();
-  if (m >= 2) {
-    std::copy_n(M[static_cast<std::size_t>(m - 2)].begin(), size, out.begin());
-    return;
-  }
-  std::fill_n(out.begin(), size, 0.0);
-  for (int a = 0; a < 3; ++a)
-    add_product(size, -1, gamma(m, a), M[static_cast<std::size_t>(a)].data(), out.data());
+CurvatureStiffness::CurvatureStiffness(const GeometryBlock& geometry, const FormStiffness& C) {
+  const Index size = geometry.size();
+  for (std::size_t m = 0; m < 2; ++m)
+    multiply_gamma(size, gamma(geometry, static_cast<int>(m)), entries(C), writable(mixed_[m]));
+  for (std::size_t m = 0; m < kJet; ++m)
+    for (std::size_t k = m; k < kJet; ++k) {
+      if (k < 2) {
+        BlockValues& out = tangential_[m + k];
+        combine_with_gamma(size, gamma(geometry, static_cast<int>(k)), components(mixed_[m]),
+                           out.data());
+        c_[m][k] = out.data();
+      } else {
+        c_[m][k] = m < 2 ? mixed_[m][k - 2].data() : C.values(kPairs[m - 2], kPairs[k - 2]);
+      }
+    }
 }
 
-void add_curvature_tangent(const GeometryBlock& geometry, const FormStiffness& c,
+void add_normal_stress(const GeometryBlock& geometry, const BlockTensor& M, const Stress& sigma) {
+  const CurvatureStress lambda(geometry, M);
+  const Components n = components(geometry.n());
+  for (int m = 0; m < kJet; ++m)
+    add_along(geometry.size(), lambda(m), n, writable(sigma(derivative(m))));
+}
+
+void add_curvature_stress(const GeometryBlock& geometry, const GeometryBlock& origin,
+                          const FormStiffness& C, const Stress& sigma) {
+  CurvatureJet jet{.r = {},
+                   .n = components(geometry.n()),
+                   .gamma = {gamma(geometry, 0), gamma(geometry, 1)},
+                   .C = entries(C),
+                   .B_origin = curvature(origin)};
+  std::array<std::array<double*, 3>, kJet> out{};
+  for (int m = 0; m < kJet; ++m) {
+    const auto at = static_cast<std::size_t>(m);
+    jet.r[at] = components(geometry.r(derivative(m)));
+    out[at] = writable(sigma(derivative(m)));
+  }
+  add_curvature_stress(geometry.size(), jet, out);
+}
+
+void add_curvature_tangent(const GeometryBlock& geometry, const FormStiffness& C,
                            const BlockTensor* M, const JetTangent& h) {
   const Index size = geometry.size();
-  const CurvatureRows L(geometry);
-  const ConstVectors normal = geometry.n();
-  const std::array<const double*, 3> n{normal.x, normal.y, normal.z};
-  Dual dual;
-  std::array<BlockValues, kJet> lambda;  // Σ_a M_a L_am
-  BlockValues minus_MB{};                // −Σ_a M_a B_a
-  if (M != nullptr) {
-    dual = dual_tangents(geometry);
-    for (int m = 0; m < kJet; ++m) L.combined(*M, m, lambda[static_cast<std::size_t>(m)]);
-    for (const Pair a : kPairs)
-      add_product(size, -1, (*M)[static_cast<std::size_t>(slot(a))].data(), geometry.B(a).data(),
-                  minus_MB.data());
-  }
-  BlockValues along_nn;
-  for (int m = 0; m < kJet; ++m)
+  const Components n = components(geometry.n());
+  const CurvatureStiffness c(geometry, C);
+  const auto each = [&](int from, const auto& add) {
+    for (int m = from; m < kJet; ++m)
+      for (int k = m; k < kJet; ++k) add(m, k, block(h, derivative(m), derivative(k)));
+  };
+  const auto add_along_normal = [&](int m, int k, const EntriesOut& out) {
+    add_normal_block(size, c(m, k), n, out);
+  };
+  if (M == nullptr) return each(0, add_along_normal);
+  each(2, add_along_normal);
+  const SecondDerivatives second(geometry, *M);
+  for (int m = 0; m < 2; ++m)
     for (int k = m; k < kJet; ++k) {
-      L.quadratic(c, m, k, along_nn);
-      const bool both = M != nullptr && k < 2, one = M != nullptr && m < 2 && k >= 2;
-      if (both)
-        add_product(size, 1, minus_MB.data(),
-                    geometry.reciprocal(kPairs[static_cast<std::size_t>(m + k)]).data(),
-                    along_nn.data());
-      const auto at_m = static_cast<std::size_t>(m), at_k = static_cast<std::size_t>(k);
-      for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-          double* const out =
-              h.entry(derivative(m), derivative(k), static_cast<int>(i), static_cast<int>(j));
-          if (both)
-            add_entry(size, n[i], along_nn.data(), n[j], lambda[at_k].data(), dual[at_m][j].data(),
-                      lambda[at_m].data(), dual[at_k][i].data(), n[j], out);
-          else if (one)
-            add_entry(size, n[i], along_nn.data(), n[j], lambda[at_k].data(), dual[at_m][j].data(),
-                      out);
-          else
-            add_entry(size, n[i], along_nn.data(), n[j], out);
-        }
+      const Components dual_m = components(second.dual[static_cast<std::size_t>(m)]);
+      const MixedBlock mixed{n, c(m, k), second.lambda(k), dual_m};
+      const EntriesOut out = block(h, derivative(m), derivative(k));
+      if (k >= 2)
+        add_block(size, mixed, out);
+      else
+        add_block(
+            size,
+            TangentialBlock{mixed, second.minus_MB.data(), reciprocal(geometry, m, k),
+                            second.lambda(m), components(second.dual[static_cast<std::size_t>(k)])},
+            out);
     }
 }
 

@@ -80,30 +80,16 @@ DEFORM_KERNEL void make_semidefinite(Index size, double* __restrict K_11, double
   }
 }
 
-/// ∂G_a/∂r_m has two columns that are not 0: (2 r_1, r_2, ·) for m = 1, (·, r_1, 2 r_2) for m = 2.
-struct Columns {
-  std::size_t first;      ///< a of the one along r_1; that along r_2 is the next
-  double of_r_1, of_r_2;  ///< factors
-};
-constexpr std::array<Columns, 2> kColumns{{{0, 2, 1}, {1, 1, 2}}};
-
-/// out += Σ_ab (∂G_a/∂r_m)_i C_ab (∂G_b/∂r_n)_j; x, y: components i and j of r_1 and r_2; C: of the
-/// columns that are not 0, row by row.
-DEFORM_KERNEL void add_metric_entry(Index size, const std::array<const double*, 2>& x,
-                                    const std::array<const double*, 2>& y,
-                                    const std::array<const double*, 4>& C, const Columns& m,
-                                    const Columns& n, double* __restrict out) {
-  const double *x_1 = x[0], *x_2 = x[1], *y_1 = y[0], *y_2 = y[1];
-  const double *C_11 = C[0], *C_12 = C[1], *C_21 = C[2], *C_22 = C[3];
-  const double m_1 = m.of_r_1, m_2 = m.of_r_2, n_1 = n.of_r_1, n_2 = n.of_r_2;
-  for (Index s = 0; s < size; ++s) {
-    const double along_1 = m_1 * x_1[s], along_2 = m_2 * x_2[s];
-    out[s] += (along_1 * C_11[s] + along_2 * C_21[s]) * (n_1 * y_1[s]) +
-              (along_1 * C_12[s] + along_2 * C_22[s]) * (n_2 * y_2[s]);
-  }
-}
 DEFORM_KERNEL void add_values(Index size, const double* __restrict x, double* __restrict out) {
   for (Index s = 0; s < size; ++s) out[s] += x[s];
+}
+
+/// The constant parts of a potential's stress.
+Stress constants(const AffineStress& sigma) {
+  Stress c;
+  for (int m = 0; m < kDerivatives; ++m)
+    c.sigma[static_cast<std::size_t>(m)] = sigma.c(static_cast<Derivative>(m));
+  return c;
 }
 
 /// Where C is diagonal, second derivatives do not couple.
@@ -122,35 +108,17 @@ const std::vector<Coupling>& couplings_of_curvature(bool is_diagonal) {
 
 void add_metric_tangent(const SampleBlock& block, const FormStiffness& C, Tangent kind,
                         const JetTangent& h) {
+  if (kind == Tangent::gauss_newton) return add_metric_tangent(block.now, C, nullptr, h);
   const Index size = block.size();
   BlockTensor x, K;
-  if (kind != Tangent::gauss_newton) {
-    if (kind == Tangent::foreseen)
-      find_foreseen_change(block, x);
-    else
-      find_change(block, Form::metric, x);
-    multiply(C, x, size, K);
-    stress_to_stiffness(size, K[0].data(), K[2].data());
-    if (kind == Tangent::projected) make_semidefinite(size, K[0].data(), K[1].data(), K[2].data());
-  }
-  const ConstVectors r_1 = block.now.r(Derivative::d1), r_2 = block.now.r(Derivative::d2);
-  const std::array<std::array<const double*, 2>, 3> r{
-      {{r_1.x, r_2.x}, {r_1.y, r_2.y}, {r_1.z, r_2.z}}};
-  for (const std::size_t m : {std::size_t{0}, std::size_t{1}})
-    for (std::size_t n = m; n < 2; ++n) {
-      std::array<const double*, 4> c{};
-      for (std::size_t a = 0; a < 2; ++a)
-        for (std::size_t b = 0; b < 2; ++b)
-          c[2 * a + b] = C.values(kPairs[kColumns[m].first + a], kPairs[kColumns[n].first + b]);
-      for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-          double* const out =
-              h.entry(static_cast<Derivative>(m + 1), static_cast<Derivative>(n + 1),
-                      static_cast<int>(i), static_cast<int>(j));
-          add_metric_entry(size, r[i], r[j], c, kColumns[m], kColumns[n], out);
-          if (i == j && kind != Tangent::gauss_newton) add_values(size, K[m + n].data(), out);
-        }
-    }
+  if (kind == Tangent::foreseen)
+    find_foreseen_change(block, x);
+  else
+    find_change(block, Form::metric, x);
+  multiply(C, x, size, K);
+  stress_to_stiffness(size, K[0].data(), K[2].data());
+  if (kind == Tangent::projected) make_semidefinite(size, K[0].data(), K[1].data(), K[2].data());
+  add_metric_tangent(block.now, C, &K, h);
 }
 
 }  // namespace
@@ -168,7 +136,8 @@ TermTraits QuadraticTerm::traits() const {
   return {.potential = true,
           .lagged = Lagged::symmetric,
           .semidefinite = form_ == Form::curvature,
-          .strains = true};
+          .strains = true,
+          .direct_stress = true};
 }
 
 std::vector<Derivative> QuadraticTerm::dependence() const {
@@ -191,6 +160,17 @@ std::vector<Coupling> QuadraticTerm::couplings() const {
   using enum Derivative;
   if (form_ == Form::metric) return couplings_among({d1, d2});
   return couplings_of_curvature(is_diagonal());
+}
+
+void QuadraticTerm::stress(const SampleBlock& block, const Stress& sigma) const {
+  FormStiffness C;
+  stiffness(block.rest, C);
+  if (form_ == Form::curvature)
+    return deform::add_curvature_stress(block.now, block.origin, C, sigma);
+  BlockTensor x, S;
+  find_change(block, Form::metric, x);
+  multiply(C, x, block.size(), S);
+  deform::add_metric_stress(block.now, S, sigma);
 }
 
 void QuadraticTerm::affine_stress(const SampleBlock& block, const AffineStress& sigma) const {
@@ -219,22 +199,19 @@ void QuadraticTerm::add_metric_stress(const SampleBlock& block, const FormStiffn
 void QuadraticTerm::add_curvature_stress(const SampleBlock& block, const FormStiffness& C,
                                          const AffineStress& sigma) const {
   const Index size = block.size();
-  const CurvatureRows L(block.now);
-  BlockValues values;
-  for (const auto& [m, n] : couplings_of_curvature(is_diagonal())) {
-    L.quadratic(C, std::min(slot(m), slot(n)) - 1, std::max(slot(m), slot(n)) - 1, values);
-    add_values(size, values.data(), sigma.k(m, n).data());
+  const CurvatureStiffness c(block.now, C);
+  for (const auto& [m, n] : couplings_of_curvature(is_diagonal()))
+    add_values(size, c(std::min(slot(m), slot(n)) - 1, std::max(slot(m), slot(n)) - 1),
+               sigma.k(m, n).data());
+  // What the change has beside B: −B⁰.
+  BlockTensor x, M;
+  for (const Pair a : kPairs) {
+    const ConstValues origin = block.origin.B(a);
+    BlockValues& out = x[static_cast<std::size_t>(slot(a))];
+    for (std::size_t s = 0; s < origin.size(); ++s) out[s] = -origin[s];
   }
-  BlockTensor B, CB;
-  for (const Pair a : kPairs)
-    std::copy_n(block.origin.B(a).data(), size, B[static_cast<std::size_t>(slot(a))].begin());
-  multiply(C, B, size, CB);
-  const ConstVectors n = block.now.n();
-  for (int m = 0; m < kJet; ++m) {
-    L.combined(CB, m, values);
-    const Vectors c = sigma.c(static_cast<Derivative>(m + 1));
-    for (Index s = 0; s < size; ++s) c.add(s, -values[static_cast<std::size_t>(s)] * n[s]);
-  }
+  multiply(C, x, size, M);
+  add_normal_stress(block.now, M, constants(sigma));
 }
 
 void QuadraticTerm::tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const {

@@ -1,6 +1,7 @@
 /// The force fields of a model, seen in the world they were written for even in a mirrored run.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,11 @@ class ExternalForces {
   /// K −= ∂f/∂r + rate ∂f/∂v of those that know them; rate: dv/dr [1/s].
   void add_exact_tangent(const State& state, const NodeVectors& normals, double rate,
                          BlockMatrix& k);
+  /// Whether that may be anything.
+  [[nodiscard]] bool has_exact_tangent() const {
+    return std::ranges::any_of(
+        traits_, [](const ForceTraits& t) { return t.exact_tangent || t.exact_damping; });
+  }
   /// Names of the fields that a Newton step knows no tangent of, though they depend on positions or
   /// say nothing of it; and of those without a potential.
   [[nodiscard]] std::vector<std::string> without_tangent() const;

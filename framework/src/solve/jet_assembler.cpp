@@ -7,6 +7,7 @@
 #include "deform/parallel.h"
 
 #include "model/numerical_stress.h"
+#include "model/term_detail.h"
 #include "plugin/guard.h"
 
 namespace deform {
@@ -66,6 +67,12 @@ std::vector<Coupling> couplings_of(const JetAssembler::Term& t) {
 /// Whether a term may put stress on a channel.
 bool may_use(const JetAssembler::Term& t, int m) {
   return m < kDerivatives || t.traits.strong_form;
+}
+
+/// Whether a term's stress is asked for without its couplings.
+bool is_direct(const JetAssembler::Term& t, JetAssembler::Part part) {
+  return t.traits.lagged == Lagged::none ||
+         (t.traits.direct_stress && part == JetAssembler::Part::stress);
 }
 
 std::size_t fields_of(const JetAssembler::Term& t) {
@@ -129,6 +136,14 @@ const JetAssembler::Term* JetAssembler::find(std::size_t number) const {
   return at == terms_.end() ? nullptr : &*at;
 }
 
+Geometry::Detail JetAssembler::detail() const {
+  auto most = Geometry::Detail::none;
+  for (const Term& t : terms_)
+    most = std::max(most, guarded(t.origin, "saying what it depends on",
+                                  [&] { return detail_of(*t.term, t.traits); }));
+  return most;
+}
+
 SampleBlock JetAssembler::sample_block(const Geometries& g, Index first, Index size) const {
   return {.now = g.now.block(first, size),
           .lagged = g.lagged.block(first, size),
@@ -139,6 +154,7 @@ SampleBlock JetAssembler::sample_block(const Geometries& g, Index first, Index s
 }
 
 void JetAssembler::evaluate(const Geometries& geometries, Part part, const Term* only) {
+  if (terms_.empty()) return;
   std::size_t offset = 0;
   for (std::size_t t = 0; t < terms_.size(); ++t) {
     if (only == nullptr || only == &terms_[t]) evaluate_auxiliary(geometries, t, offset);
@@ -167,7 +183,11 @@ void JetAssembler::evaluate_auxiliary(const Geometries& g, std::size_t number, s
 
 void JetAssembler::evaluate_block(const Geometries& g, Part part, const Term* only, Index first,
                                   Index size) {
-  for (std::size_t c = 0; c < couplings_.size(); ++c) std::fill_n(coupling(c) + first, size, 0.0);
+  const auto is_evaluated = [&](const Term& t) { return only == nullptr || only == &t; };
+  const bool has_couplings = std::ranges::any_of(
+      terms_, [&](const Term& t) { return is_evaluated(t) && !is_direct(t, part); });
+  if (has_couplings)
+    for (std::size_t c = 0; c < couplings_.size(); ++c) std::fill_n(coupling(c) + first, size, 0.0);
   for (int m = 0; m < kChannels; ++m) {
     if (!active_[static_cast<std::size_t>(m)]) continue;
     const Vectors s = sigma(m).from(first);
@@ -175,32 +195,35 @@ void JetAssembler::evaluate_block(const Geometries& g, Part part, const Term* on
   }
   SampleBlock block = sample_block(g, first, size);
   for (std::size_t t = 0; t < terms_.size(); ++t) {
-    const Term& term = terms_[t];
-    if (only != nullptr && only != &term) continue;
+    if (!is_evaluated(terms_[t])) continue;
     block.auxiliary = auxiliary_of_[t];
-    AffineStress::ConstantTable channels;
-    for (int m = 0; m < kChannels; ++m)
-      if (may_use(term, m)) channels[static_cast<std::size_t>(m)] = sigma(m).from(first);
-    if (term.traits.lagged == Lagged::none) {
-      const Stress stress{channels};
-      guarded(term.origin, "computing its stress", [&] { term.term->stress(block, stress); });
-      continue;
-    }
-    AffineStress::CouplingTable table{};
-    for (const std::size_t c : of_term_[t]) {
-      const auto& [m, n] = couplings_[c];
-      table[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))] =
-          coupling(c) + first;
-    }
-    guarded(term.origin, "computing its lagged stress",
-            [&] { term.term->affine_stress(block, AffineStress(table, channels, size)); });
+    evaluate_term(t, part, block);
   }
-  add_affine_part(block, part);
+  if (has_couplings && part != Part::couplings_and_constant) add_affine_part(block);
+}
+
+void JetAssembler::evaluate_term(std::size_t number, Part part, const SampleBlock& block) {
+  const Term& term = terms_[number];
+  AffineStress::ConstantTable channels;
+  for (int m = 0; m < kChannels; ++m)
+    if (may_use(term, m)) channels[static_cast<std::size_t>(m)] = sigma(m).from(block.first());
+  if (is_direct(term, part)) {
+    const Stress stress{channels};
+    guarded(term.origin, "computing its stress", [&] { term.term->stress(block, stress); });
+    return;
+  }
+  AffineStress::CouplingTable table{};
+  for (const std::size_t c : of_term_[number]) {
+    const auto& [m, n] = couplings_[c];
+    table[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))] =
+        coupling(c) + block.first();
+  }
+  guarded(term.origin, "computing its lagged stress",
+          [&] { term.term->affine_stress(block, AffineStress(table, channels, block.size())); });
 }
 
 /// σ_m = c_m + Σ_n k_mn D_n r: the c_m are there already.
-void JetAssembler::add_affine_part(const SampleBlock& block, Part part) {
-  if (part == Part::constant) return;
+void JetAssembler::add_affine_part(const SampleBlock& block) {
   for (std::size_t c = 0; c < couplings_.size(); ++c) {
     const auto& [m, n] = couplings_[c];
     const double* k = coupling(c) + block.first();
@@ -211,6 +234,7 @@ void JetAssembler::add_affine_part(const SampleBlock& block, Part part) {
 }
 
 void JetAssembler::add_force(NodeVectors& f) const {
+  if (terms_.empty()) return;
   parallel_blocks(gather_.nodes(), kRows, [&](Index first, Index size) {
     for (Index a = first; a < first + size;) {
       const Index end = std::min(gather_.run_end(a), first + size);

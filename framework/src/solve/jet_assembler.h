@@ -40,10 +40,13 @@ class JetAssembler {
   /// This assembler's place for a scene's term; null when the term is not on this set.
   [[nodiscard]] const Term* find(std::size_t number) const;
 
-  /// What to add up in `evaluate`.
-  enum class Part { stress, constant };
-  /// Computes stress (or only its constant part c_m) and couplings at all samples, of all terms or
-  /// of one.
+  /// What the terms need of a state's geometry.
+  [[nodiscard]] Geometry::Detail detail() const;
+
+  /// What to compute in `evaluate`: stress alone; stress and couplings k_mn; or the couplings and
+  /// what stress has beside them, c_m.
+  enum class Part { stress, stress_and_couplings, couplings_and_constant };
+  /// Computes that at all samples, of all terms or of one.
   void evaluate(const Geometries& geometries, Part part = Part::stress, const Term* only = nullptr);
   /// f_a −= Σ L σ of the last evaluation.
   void add_force(NodeVectors& f) const;
@@ -71,8 +74,9 @@ class JetAssembler {
  private:
   void evaluate_auxiliary(const Geometries& g, std::size_t number, std::size_t offset);
   void evaluate_block(const Geometries& g, Part part, const Term* only, Index first, Index size);
+  void evaluate_term(std::size_t number, Part part, const SampleBlock& block);
   void mark_active(const Term& t);
-  void add_affine_part(const SampleBlock& block, Part part);
+  void add_affine_part(const SampleBlock& block);
   [[nodiscard]] bool operator_goes_on(const SparseMatrix& pattern, Index a) const;
   void add_operator_to(Index a, Index size, double* rows) const;
   void add_force_of_run(Index a, Index size, NodeVectors& f) const;

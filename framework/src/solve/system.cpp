@@ -64,11 +64,20 @@ void System::Impl::make_sets() {
       if (const auto jet = std::dynamic_pointer_cast<const JetTerm>(parts.energies[t].object))
         if (&parts.surface->samples(role_of(t, *jet)) == set)
           terms.push_back({t, parts.energies[t].origin, jet, traits[t]});
-    sets.push_back({JetAssembler(*set, std::move(terms)),
-                    Geometry(*set),
-                    {Geometry(*set), Geometry(*set)},
-                    {}});
+    JetAssembler assembler(*set, std::move(terms));
+    const Geometry::Detail detail = std::max(assembler.detail(), detail_of_normals(*set));
+    sets.push_back({.assembler = std::move(assembler),
+                    .detail = detail,
+                    .rest = Geometry(*set),
+                    .geometry = {Geometry(*set), Geometry(*set)}});
   }
+}
+
+/// What forces along normals need of a set.
+Geometry::Detail System::Impl::detail_of_normals(const SampleSet& set) const {
+  const bool is_needed =
+      external.needs_normals() && &parts.surface->samples(SampleRole::bending) == &set;
+  return is_needed ? Geometry::Detail::first : Geometry::Detail::none;
 }
 
 void System::Impl::make_tuples() {
@@ -101,7 +110,7 @@ void System::Impl::update_geometry(const NodeVectors& r) {
   if (!is_known(other)) {
     // Never over the geometry of the step's start, which lagged probes read.
     const std::size_t place = held ? 1 - *held : current;
-    for (SetPart& set : sets) set.geometry[place].compute(set.assembler.samples(), r);
+    for (SetPart& set : sets) set.compute(set.geometry[place], r);
     known[place] = r;
     current = place;
   } else {
@@ -110,13 +119,20 @@ void System::Impl::update_geometry(const NodeVectors& r) {
   if (external.needs_normals()) update_normals();
 }
 
+/// For those who ask about other things than terms do.
+const Geometry& System::Impl::complete_geometry(const SampleSet& samples, std::size_t place) {
+  Geometry& geometry = set_of(samples).geometry[place];
+  geometry.complete(samples, known[place]);
+  return geometry;
+}
+
 void System::Impl::update_normals() {
   SetPart& set = set_of(parts.surface->samples(SampleRole::bending));
   set.assembler.node_normals(set.geometry[current], normals);
 }
 
-void System::Impl::evaluate_internal(const State& state) {
-  for (SetPart& set : sets) set.assembler.evaluate(geometries(set));
+void System::Impl::evaluate_internal(const State& state, JetAssembler::Part part) {
+  for (SetPart& set : sets) set.assembler.evaluate(geometries(set), part);
   for (TupleAssembler& t : tuples) t.evaluate(state.r, state.r);
 }
 
@@ -180,23 +196,27 @@ void System::begin_step(const State& state) {
 }
 void System::update_geometry(const State& state) { impl_->update_geometry(state.r); }
 const Geometry& System::geometry(const SampleSet& samples) const {
-  return impl_->set_of(samples).geometry[impl_->current];
+  return impl_->complete_geometry(samples, impl_->current);
 }
 const Geometry& System::previous_geometry(const SampleSet& samples) const {
-  return impl_->set_of(samples).geometry[impl_->held.value_or(impl_->current)];
+  return impl_->complete_geometry(samples, impl_->held.value_or(impl_->current));
 }
 const Geometry& System::rest_geometry(const SampleSet& samples) const {
   return impl_->set_of(samples).rest;
 }
 
+void System::Impl::evaluate(const State& state, JetAssembler::Part part) {
+  update_geometry(state.r);
+  const Stopwatch watch(times.assembly, "stress and force");
+  evaluate_internal(state, part);
+  force.setZero();
+  add_internal_force(force);
+  external.add_force(state, normals, force);
+  add_material_damping(state, force);
+}
+
 void System::evaluate(const State& state) {
-  impl_->update_geometry(state.r);
-  const Stopwatch watch(impl_->times.assembly, "stress and force");
-  impl_->evaluate_internal(state);
-  impl_->force.setZero();
-  impl_->add_internal_force(impl_->force);
-  impl_->external.add_force(state, impl_->normals, impl_->force);
-  impl_->add_material_damping(state, impl_->force);
+  impl_->evaluate(state, JetAssembler::Part::stress);
   if (!impl_->force.allFinite()) throw_force_not_finite(state);
 }
 
@@ -208,7 +228,8 @@ void System::throw_force_not_finite(const State& state) {
 }
 
 void System::evaluate_with_operator(const State& state) {
-  evaluate(state);
+  impl_->evaluate(state, JetAssembler::Part::stress_and_couplings);
+  if (!impl_->force.allFinite()) throw_force_not_finite(state);
   const Stopwatch watch(impl_->times.assembly, "lagged operator");
   std::ranges::fill(impl_->k.value, 0.0);
   for (const SetPart& set : impl_->sets) set.assembler.add_operator(impl_->k);
@@ -448,7 +469,7 @@ System::LaggedForce System::lagged_force(std::size_t term, const State& state) {
   std::ranges::fill(result.k.value, 0.0);
   for (SetPart& set : impl_->sets)
     if (const auto* t = set.assembler.find(term)) {
-      set.assembler.evaluate(impl_->geometries(set), JetAssembler::Part::constant, t);
+      set.assembler.evaluate(impl_->geometries(set), JetAssembler::Part::couplings_and_constant, t);
       set.assembler.add_force(result.c);
       set.assembler.add_operator(result.k);
     }

@@ -29,7 +29,7 @@ void System::Impl::update_damping(const NodeVectors& r) {
   const std::vector<double> factors = damping_factors(false);
   const auto of = [&](SetPart& set) -> Geometries {
     if (set.damped.size() == 0) set.damped = Geometry(set.assembler.samples());
-    set.damped.compute(set.assembler.samples(), r);
+    set.compute(set.damped, r);
     return {set.damped, set.damped, set.rest};
   };
   tangents.assemble(geometries_of_sets(of), Tangent::gauss_newton, factors, damping);
@@ -77,9 +77,9 @@ void System::measure_strains_from(double rate, const NodeVectors& r, double s,
   if (rate == 0) return;
   for (SetPart& set : impl_->sets) {
     if (set.begun.size() == 0) set.begun = set.earlier = Geometry(set.assembler.samples());
-    set.begun.compute(set.assembler.samples(), r);
+    set.compute(set.begun, r);
     if (s == 0) continue;
-    set.earlier.compute(set.assembler.samples(), earlier);
+    set.compute(set.earlier, earlier);
     set.begun.blend(s, set.earlier);
   }
 }

@@ -23,7 +23,12 @@ namespace deform {
 
 /// One sample set with its terms, and its geometry at the states that matter.
 struct SetPart {
+  /// As far as terms and forces need it.
+  void compute(Geometry& of, const NodeVectors& r) const {
+    of.compute(assembler.samples(), r, detail);
+  }
   JetAssembler assembler;
+  Geometry::Detail detail;
   Geometry rest;
   std::array<Geometry, 2> geometry;  // one of a step's start, one of any other state
   Geometry before;                   // a Newton step earlier; made when first needed
@@ -37,10 +42,12 @@ struct System::Impl {
   void read_traits();
   [[nodiscard]] SampleRole role_of(std::size_t term, const JetTerm& jet) const;
   void make_sets();
+  [[nodiscard]] Geometry::Detail detail_of_normals(const SampleSet& set) const;
   void make_tuples();
   void make_pattern();
   void make_tangent_pattern();
   void make_tangent_solver();
+  [[nodiscard]] bool adds_to_tangent(double rate) const;
   [[nodiscard]] bool has_material_damping() const;
   void update_damping(const NodeVectors& r);
   void add_material_damping(const State& state, NodeVectors& f);
@@ -64,8 +71,11 @@ struct System::Impl {
     return {set.geometry[current], set.geometry[current], set.rest};
   }
   void update_geometry(const NodeVectors& r);
+  [[nodiscard]] const Geometry& complete_geometry(const SampleSet& samples, std::size_t place);
   void update_normals();
-  void evaluate_internal(const State& state);
+  void evaluate_internal(const State& state, JetAssembler::Part part);
+  /// All forces at a state, to `force`.
+  void evaluate(const State& state, JetAssembler::Part part);
   void add_internal_force(NodeVectors& f) const;
   [[nodiscard]] NodeVectors force_of(const Named<ForceField>& field, const State& state);
   [[nodiscard]] bool operator_is_finite() const;

@@ -10,6 +10,20 @@
 #include "solve/system_impl.h"
 
 namespace deform {
+namespace {
+
+bool is_finite_everywhere(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Index>(values.size()))
+      .allFinite();
+}
+
+}  // namespace
+
+/// Whether a tangent has more than what terms on jets and diagonals give.
+bool System::Impl::adds_to_tangent(double rate) const {
+  return !tuples.empty() || strain_rate > 0 || (rate != 0 && has_material_damping()) ||
+         external.has_exact_tangent();
+}
 
 void System::Impl::make_tangent_pattern() {
   for (const SetPart& set : sets) tangents.add(set.assembler);
@@ -54,15 +68,16 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
     Geometries geometries = impl_->geometries(set);
     if (kind != Tangent::foreseen || before == nullptr) return geometries;
     if (set.before.size() == 0) set.before = Geometry(set.assembler.samples());
-    set.before.compute(set.assembler.samples(), *before);
+    set.compute(set.before, *before);
     return Geometries{geometries.now, set.before, geometries.rest};
   };
-  impl_->tangents.assemble(impl_->geometries_of_sets(of), kind, {}, k);
+  bool is_finite = impl_->tangents.assemble(impl_->geometries_of_sets(of), kind, {}, k);
   for (TupleAssembler& t : impl_->tuples) t.add_tangent(state.r, kind, k);
   impl_->force_stiffness.setZero();
   impl_->force_damping.setZero();
   impl_->external.add_tangent(state, impl_->normals, impl_->force_stiffness, impl_->force_damping,
                               nullptr, true);
+  is_finite &= impl_->force_stiffness.allFinite() && impl_->force_damping.allFinite();
   for (Index a = 0; a < k.nodes; ++a)
     k.block(a, a).diagonal().array() += impl_->force_stiffness[a] + rate * impl_->force_damping[a];
   if (impl_->strain_rate > 0) impl_->add_strain_damping_tangent(kind, k);
@@ -72,9 +87,8 @@ void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeV
     for (std::size_t i = 0; i < k.value.size(); ++i) k.value[i] += rate * damping[i];
   }
   impl_->external.add_exact_tangent(state, impl_->normals, rate, k);
-  const Eigen::Map<const Eigen::VectorXd> values(k.value.data(),
-                                                 static_cast<Index>(k.value.size()));
-  if (!values.allFinite())
+  // A pass over the whole matrix only where more was added to it.
+  if (!is_finite || (impl_->adds_to_tangent(rate) && !is_finite_everywhere(k.value)))
     throw NotFinite("the tangent is not finite", -1, largest_force_at(0, state));
 }
 

@@ -40,7 +40,7 @@ bool TangentAssembler::depends(const GatherTable::Coefficients& l) const {
 void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
                                 const std::vector<double>& factors, Index first, Index size,
                                 double* h, Index stride) const {
-  for (Index q = 0; q < numbers(); ++q) std::fill_n(h + q * stride, size, 0.0);
+  std::fill_n(h, numbers() * stride, 0.0);
   const JetTangent tangent(h, stride, places_, size);
   const SampleBlock block = terms_->sample_block(geometries, first, size);
   thread_local std::vector<double> one;  // of a term that is multiplied

@@ -24,8 +24,8 @@ class TangentAssembler {
   /// How many numbers a sample has: 9 for each pair of derivatives that some density depends on.
   [[nodiscard]] Index numbers() const { return static_cast<Index>(blocks_.size()) * 9; }
   /// Second derivatives of all terms' densities at samples first … first+size−1, number q of the
-  /// k-th of them at h[q·stride + k]; `factors`: what each term of the scene is multiplied by, 1
-  /// where empty.
+  /// k-th of them at h[q·stride + k], all numbers() · stride of which are the caller's; `factors`:
+  /// what each term of the scene is multiplied by, 1 where empty.
   void evaluate(const Geometries& geometries, Tangent kind, const std::vector<double>& factors,
                 Index first, Index size, double* h, Index stride) const;
 

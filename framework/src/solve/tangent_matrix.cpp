@@ -1,19 +1,16 @@
 #include "solve/tangent_matrix.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 
 #include <tbb/task_arena.h>
 
 #include "deform/parallel.h"
 
 namespace deform {
-namespace {
 
-constexpr Index kRowsAtOnce = 8;
-
-}  // namespace
-
-void TangentMatrix::gather(const TangentSchedule::Group& group, const double* h, double* rows,
+bool TangentMatrix::gather(const TangentSchedule::Group& group, const double* h, double* rows,
                            BlockMatrix& k, bool adds) const {
   const Index width = group.size == 1 ? 1 : kRowLanes;
   const std::int32_t* const begin = k.row_begin.data() + group.row;
@@ -25,18 +22,14 @@ void TangentMatrix::gather(const TangentSchedule::Group& group, const double* h,
     (width == 1 ? add_to_row : add_to_rows)(plan, h, places, rows);
     places += plan.samples.size();
   }
-  // A few rows at a time: the lines of cache that are read and those that are written stay there.
-  for (Index first = 0; first < group.size; first += kRowsAtOnce) {
-    const Index end = std::min(first + kRowsAtOnce, group.size);
-    for (Index i = 0; i < numbers; ++i)
-      for (Index q = first; q < end; ++q) {
-        double& to = k.value[static_cast<std::size_t>(9 * Index{begin[q]} + i)];
-        to = (adds ? to : 0) + rows[i * width + q];
-      }
-  }
+  std::array<double*, kRowLanes> to{};
+  for (Index q = 0; q < group.size; ++q)
+    to[static_cast<std::size_t>(q)] = k.value.data() + 9 * Index{begin[q]};
+  return width == 1 ? store_row(rows, numbers, to[0], adds)
+                    : store_rows(rows, group.size, numbers, to.data(), adds);
 }
 
-void TangentMatrix::assemble_segment(const TangentSchedule::Segment& segment,
+bool TangentMatrix::assemble_segment(const TangentSchedule::Segment& segment,
                                      std::span<const Geometries> geometries, Tangent kind,
                                      const std::vector<double>& factors, BlockMatrix& k,
                                      bool adds) const {
@@ -45,6 +38,7 @@ void TangentMatrix::assemble_segment(const TangentSchedule::Segment& segment,
   thread_local std::vector<double> h, rows;
   h.resize(std::max(h.size(), schedule.buffer()));
   rows.resize(std::max(rows.size(), schedule.row_buffer()));
+  bool is_finite = true;
   for (std::size_t p = segment.piece; p < segment.piece_end; ++p) {
     const TangentSchedule::Piece& at = schedule.pieces()[p];
     for (std::size_t s = at.span; s < at.span_end; ++s) {
@@ -53,20 +47,25 @@ void TangentMatrix::assemble_segment(const TangentSchedule::Segment& segment,
                                h.data() + span.place, kSampleLanes);
     }
     for (std::size_t g = at.group; g < at.group_end; ++g)
-      gather(schedule.groups()[g], h.data(), rows.data(), k, adds);
+      is_finite &= gather(schedule.groups()[g], h.data(), rows.data(), k, adds);
   }
+  return is_finite;
 }
 
-void TangentMatrix::assemble(std::span<const Geometries> geometries, Tangent kind,
+bool TangentMatrix::assemble(std::span<const Geometries> geometries, Tangent kind,
                              const std::vector<double>& factors, BlockMatrix& k, bool adds) const {
   const std::vector<TangentSchedule::Segment>& segments = schedule_->segments();
+  std::atomic<bool> is_finite = true;
   parallel_blocks(static_cast<Index>(segments.size()), 1, [&](Index i, Index /*one*/) {
     // A plugin that waits for tasks of its own must not take another segment meanwhile: both would
     // use the thread's buffers.
     tbb::this_task_arena::isolate([&] {
-      assemble_segment(segments[static_cast<std::size_t>(i)], geometries, kind, factors, k, adds);
+      if (!assemble_segment(segments[static_cast<std::size_t>(i)], geometries, kind, factors, k,
+                            adds))
+        is_finite = false;
     });
   });
+  return is_finite;
 }
 
 }  // namespace deform

@@ -20,16 +20,17 @@ class TangentMatrix {
 
   /// K = Σ D_mᵀ A h_mn D_n over sets, blocks of the pattern that none adds to becoming 0; or K += Σ
   /// with `adds`. `geometries`: one a set; `factors`: what each term of the scene is multiplied by,
-  /// 1 where empty.
-  void assemble(std::span<const Geometries> geometries, Tangent kind,
+  /// 1 where empty. Returns whether all that was written is finite.
+  bool assemble(std::span<const Geometries> geometries, Tangent kind,
                 const std::vector<double>& factors, BlockMatrix& k, bool adds = false) const;
 
  private:
-  void assemble_segment(const TangentSchedule::Segment& segment,
-                        std::span<const Geometries> geometries, Tangent kind,
-                        const std::vector<double>& factors, BlockMatrix& k, bool adds) const;
-  void gather(const TangentSchedule::Group& group, const double* h, double* rows, BlockMatrix& k,
-              bool adds) const;
+  [[nodiscard]] bool assemble_segment(const TangentSchedule::Segment& segment,
+                                      std::span<const Geometries> geometries, Tangent kind,
+                                      const std::vector<double>& factors, BlockMatrix& k,
+                                      bool adds) const;
+  [[nodiscard]] bool gather(const TangentSchedule::Group& group, const double* h, double* rows,
+                            BlockMatrix& k, bool adds) const;
 
   std::vector<TangentAssembler> sets_;
   std::optional<TangentSchedule> schedule_;

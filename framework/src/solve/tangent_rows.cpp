@@ -64,6 +64,57 @@ DEFORM_KERNEL void add_samples(const TangentPlan& plan, const double* h,
       for (int j = 0; j < 3; ++j) add_sample(plan, plan.samples[e], h + places[e], i, j, rows);
 }
 
+/// Numbers of four rows, or four numbers of a row.
+using Four [[gnu::vector_size(32)]] = double;
+
+[[gnu::always_inline]] inline void load(const double* from, Four& to) {
+  std::memcpy(&to, from, sizeof to);
+}
+/// Writes x, or adds it; 0 times what is there then, added up, is not 0 where some is not finite.
+[[gnu::always_inline]] inline void put(const Four& x, double* to, bool adds, Four& zeros) {
+  Four there{};
+  if (adds) load(to, there);
+  there += x;
+  zeros += 0.0 * there;
+  std::memcpy(to, &there, sizeof there);
+}
+
+DEFORM_KERNEL bool move_rows(const double* rows, Index size, Index numbers, double* const* to,
+                             bool adds) {
+  Four zeros{};
+  double zero = 0;
+  const auto put_one = [&](Index i, Index q) {
+    double& place = to[q][i];
+    place = (adds ? place : 0) + rows[i * kRowLanes + q];
+    zero += 0.0 * place;
+  };
+  const Index whole = numbers / 4 * 4;
+  Index q = 0;
+  for (; q + 4 <= size; q += 4) {
+    for (Index i = 0; i < whole; i += 4) {
+      const double* from = rows + i * kRowLanes + q;
+      Four a, b, c, d;
+      load(from, a);
+      load(from + kRowLanes, b);
+      load(from + 2 * kRowLanes, c);
+      load(from + 3 * kRowLanes, d);
+      const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6),
+                 ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7),
+                 cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6),
+                 cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+      put(__builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5), to[q] + i, adds, zeros);
+      put(__builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5), to[q + 1] + i, adds, zeros);
+      put(__builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7), to[q + 2] + i, adds, zeros);
+      put(__builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7), to[q + 3] + i, adds, zeros);
+    }
+    for (Index i = whole; i < numbers; ++i)
+      for (Index k = 0; k < 4; ++k) put_one(i, q + k);
+  }
+  for (; q < size; ++q)
+    for (Index i = 0; i < numbers; ++i) put_one(i, q);
+  return zeros[0] + zeros[1] + zeros[2] + zeros[3] + zero == 0;
+}
+
 /// The same for one row: what is side by side are the entries of a block.
 DEFORM_KERNEL void add_samples_of_one_row(const TangentPlan& plan, const double* h,
                                           const std::uint32_t* places, double* row) {
@@ -89,15 +140,31 @@ DEFORM_KERNEL void add_samples_of_one_row(const TangentPlan& plan, const double*
   }
 }
 
+DEFORM_KERNEL bool move_row(const double* __restrict row, Index numbers, double* __restrict to,
+                            bool adds) {
+  bool is_finite = true;
+  for (Index i = 0; i < numbers; ++i) {
+    to[i] = (adds ? to[i] : 0) + row[i];
+    is_finite &= 0.0 * to[i] == 0;
+  }
+  return is_finite;
+}
+
 }  // namespace
 
 void add_to_rows(const TangentPlan& plan, const double* h, const std::uint32_t* places,
                  double* rows) {
   add_samples(plan, h, places, rows);
 }
+bool store_rows(const double* rows, Index size, Index numbers, double* const* to, bool adds) {
+  return move_rows(rows, size, numbers, to, adds);
+}
 void add_to_row(const TangentPlan& plan, const double* h, const std::uint32_t* places,
                 double* row) {
   add_samples_of_one_row(plan, h, places, row);
+}
+bool store_row(const double* row, Index numbers, double* to, bool adds) {
+  return move_row(row, numbers, to, adds);
 }
 
 }  // namespace deform

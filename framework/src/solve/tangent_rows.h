@@ -57,7 +57,13 @@ inline constexpr Index kSampleLanes = kRowLanes + 8;
 /// has its number q at h[places[e] + k + q·kSampleLanes].
 void add_to_rows(const TangentPlan& plan, const double* h, const std::uint32_t* places,
                  double* rows);
+/// Moves rows that lie side by side, as above, to where each is whole: the k-th to to[k]; or adds
+/// them to what is there. Returns whether all of these numbers are finite.
+[[nodiscard]] bool store_rows(const double* rows, Index size, Index numbers, double* const* to,
+                              bool adds);
 /// Adds to one row.
 void add_to_row(const TangentPlan& plan, const double* h, const std::uint32_t* places, double* row);
+/// Moves one row.
+[[nodiscard]] bool store_row(const double* row, Index numbers, double* to, bool adds);
 
 }  // namespace deform

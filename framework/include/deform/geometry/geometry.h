@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "deform/export.h"
@@ -74,9 +75,18 @@ class DEFORM_API Geometry {
   Geometry() = default;
   explicit Geometry(const SampleSet& samples);
 
+  /// What is computed of a state.
+  enum class Detail : std::uint8_t {
+    none,
+    first,   ///< what follows from r_1 and r_2: these, n, G, G^ij, the area element
+    second,  ///< everything
+  };
+
   /// Evaluates (3), (6), (8), (13), (15) at positions r (N × 3) [m], in parallel, with the same
-  /// bits at any number of threads.
-  void compute(const SampleSet& samples, const NodeVectors& r);
+  /// bits at any number of threads. What is left out is not a number.
+  void compute(const SampleSet& samples, const NodeVectors& r, Detail detail = Detail::second);
+  /// Computes what was left out at the same positions, if anything was.
+  void complete(const SampleSet& samples, const NodeVectors& r);
 
   /// Makes this (1 − s) · this + s · other, field by field, of the same set: a G and a B that no
   /// surface need have.
@@ -89,8 +99,11 @@ class DEFORM_API Geometry {
   [[nodiscard]] GeometryBlock all() const { return block(0, size_); }
 
  private:
+  void leave_out(Detail beyond);
+
   Index size_ = 0, stride_ = 0;
   std::vector<double> data_;  // (kFields × stride)
+  Detail detail_ = Detail::none;
 };
 
 }  // namespace deform

@@ -33,6 +33,9 @@ struct TermTraits {
   /// Is a function of G and B less those of SampleBlock::origin, and of SampleBlock::rest else:
   /// damping of the material is then that of exact strain rates over a step.
   bool strains = false;
+  /// Only for terms with a lagged operator: offers `stress` beside `affine_stress`, the same at
+  /// now == lagged, which is used wherever no operator is asked for.
+  bool direct_stress = false;
 };
 
 /// Internal energy of the surface.
@@ -126,9 +129,9 @@ struct Stress {
 /// An energy term that lives on jets. The force on the nodes is f = −Σ_m D_mᵀ A σ_m (A: sample
 /// weights); the framework gathers it, and the operator K = Σ_mn D_mᵀ A k_mn D_n, row by row.
 ///
-/// Contract: const and thread-safe on blocks; adds to what it is given. A term offers either
-/// `affine_stress` (then `stress` follows from it) or `stress`, or neither: then the stress is a
-/// numerical derivative of the density, which the log says.
+/// Contract: const and thread-safe on blocks; adds to what it is given. A term offers
+/// `affine_stress` (from which the stress follows), `stress`, or both (TermTraits::direct_stress);
+/// or neither: then the stress is a numerical derivative of the density, which the log says.
 class DEFORM_API JetTerm : public EnergyTerm {
  public:
   ~JetTerm() override;

@@ -65,6 +65,7 @@ class DEFORM_API QuadraticTerm : public JetTerm {
   [[nodiscard]] std::vector<Derivative> dependence() const final;
   void energy_density(const SampleBlock& block, Values density) const final;
   [[nodiscard]] std::vector<Coupling> couplings() const final;
+  void stress(const SampleBlock& block, const Stress& sigma) const final;
   void affine_stress(const SampleBlock& block, const AffineStress& sigma) const final;
   void tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const final;
 

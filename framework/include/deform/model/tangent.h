@@ -45,6 +45,8 @@ class JetTangent {
       : data_(data), stride_(stride), places_(&places), size_(size) {}
 
   [[nodiscard]] Index size() const { return size_; }
+  /// From an entry of a block to the next, row by row.
+  [[nodiscard]] Index stride() const { return stride_; }
   /// Adds to the block (m, n), m ≤ n, at a sample; nothing where the density was said not to depend
   /// on one of them.
   void add(Index sample, Derivative m, Derivative n, const Eigen::Matrix3d& h) const {
