@@ -146,7 +146,7 @@ std::vector<Derivative> QuadraticTerm::dependence() const {
 }
 
 void QuadraticTerm::energy_density(const SampleBlock& block, Values density) const {
-  FormStiffness c;
+  FormStiffness c(block.size());
   stiffness(block.rest, c);
   BlockTensor x, stress;
   find_change(block, form_, x);
@@ -163,7 +163,7 @@ std::vector<Coupling> QuadraticTerm::couplings() const {
 }
 
 void QuadraticTerm::stress(const SampleBlock& block, const Stress& sigma) const {
-  FormStiffness C;
+  FormStiffness C(block.size());
   stiffness(block.rest, C);
   if (form_ == Form::curvature)
     return deform::add_curvature_stress(block.now, block.origin, C, sigma);
@@ -174,7 +174,7 @@ void QuadraticTerm::stress(const SampleBlock& block, const Stress& sigma) const 
 }
 
 void QuadraticTerm::affine_stress(const SampleBlock& block, const AffineStress& sigma) const {
-  FormStiffness C;
+  FormStiffness C(block.size());
   stiffness(block.rest, C);
   SampleBlock lagged = block;
   lagged.now = block.lagged;
@@ -215,7 +215,7 @@ void QuadraticTerm::add_curvature_stress(const SampleBlock& block, const FormSti
 }
 
 void QuadraticTerm::tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const {
-  FormStiffness c;
+  FormStiffness c(block.size());
   stiffness(block.rest, c);
   if (form_ == Form::metric) return add_metric_tangent(block, c, kind, h);
   // What else is in the Hessian is small beside C δB δB where the surface is not crumpled, and has

@@ -2,6 +2,7 @@
 /// the coefficients alone.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "deform/model/energy_term.h"
@@ -14,6 +15,9 @@ enum class Form : std::uint8_t { metric, curvature };
 /// C_ab of a block's samples, a and b from 11, 12, 22; symmetric; 0 until it is set.
 class DEFORM_API FormStiffness {
  public:
+  explicit FormStiffness(Index size) {
+    for (auto& values : c_) std::fill_n(values.begin(), size, 0.0);
+  }
   [[nodiscard]] double& operator()(Pair a, Pair b, Index sample) {
     return c_[place(a, b)][static_cast<std::size_t>(sample)];
   }
@@ -37,7 +41,7 @@ class DEFORM_API FormStiffness {
     const int i = slot(a) < slot(b) ? slot(a) : slot(b), j = slot(a) + slot(b) - i;
     return static_cast<std::size_t>(i == 0 ? j : i + j + 1);  // 00 01 02 11 12 22
   }
-  std::array<std::array<double, kBlock>, 6> c_{};
+  std::array<std::array<double, kBlock>, 6> c_;  // as far as the block goes
 };
 
 /// A density w = ½ Σ_ab C_ab (T_a − T⁰_a)(T_b − T⁰_b) per parameter area [J/m²] for T = G or B; the
