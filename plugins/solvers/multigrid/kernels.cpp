@@ -10,12 +10,9 @@
 namespace multigrid {
 namespace {
 
-/// The lanes of a quad of nodes in single precision, of two nodes in double precision, and a number
-/// of each row.
+/// The lanes of a quad of nodes in single precision, and of two nodes in double precision.
 using Quad [[gnu::vector_size(64)]] = float;
 using Pair [[gnu::vector_size(64)]] = double;
-using Four [[gnu::vector_size(16)]] = float;
-using Two [[gnu::vector_size(16)]] = double;
 
 template <class Vector, class Number>
 [[gnu::always_inline]] inline Vector load(const Number* from) {
@@ -28,12 +25,17 @@ template <class Vector, class Number>
   std::memcpy(to, &v, sizeof v);
 }
 
-/// Each row's number in all of its lanes.
-[[gnu::always_inline]] inline Quad spread(const Four& v) {
+/// The first four numbers, or the two from the first or third on, each in all lanes of its node. The
+/// whole vector has been loaded (kOverrun): a compiler makes a wide vector of a narrow one by way of
+/// memory, which waits for what has just been stored.
+[[gnu::always_inline]] inline Quad spread(const Quad& v) {
   return __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
 }
-[[gnu::always_inline]] inline Pair spread(const Two& v) {
+[[gnu::always_inline]] inline Pair spread_low(const Pair& v) {
   return __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1);
+}
+[[gnu::always_inline]] inline Pair spread_high(const Pair& v) {
+  return __builtin_shufflevector(v, v, 2, 2, 2, 2, 3, 3, 3, 3);
 }
 [[gnu::always_inline]] inline Quad first_lanes(const Quad& v) {
   return __builtin_shufflevector(v, v, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12);
@@ -72,7 +74,7 @@ struct Gathered {
 struct ScalarEntry {
   static constexpr Index kNumbers = 4;
   [[gnu::always_inline]] static Quad times(const float* v, const Quad& x) {
-    return spread(load<Four>(v)) * x;
+    return spread(load<Quad>(v)) * x;
   }
 };
 struct BlockEntry {
@@ -103,10 +105,10 @@ template <class Entry, class Columns>
                                                std::int32_t first, std::int32_t end, double* out) {
   Pair low{}, high{};
   for (std::int32_t e = first; e < end; ++e) {
-    const double* v = value + Entry::kNumbers * e;
+    const Pair v = load<Pair>(value + Entry::kNumbers * e);
     const double* lanes = y.at(e);
-    low += spread(load<Two>(v)) * load<Pair>(lanes);
-    high += spread(load<Two>(v + 2)) * load<Pair>(lanes + 8);
+    low += spread_low(v) * load<Pair>(lanes);
+    high += spread_high(v) * load<Pair>(lanes + 8);
   }
   store(low, out);
   store(high, out + 8);

@@ -6,6 +6,10 @@
 
 namespace multigrid {
 
+/// Numbers that there must be behind a matrix's last, and the last of D⁻¹: kernels load whole
+/// vectors, of which they take what they need.
+inline constexpr std::size_t kOverrun = 12;
+
 /// out = A y for quads first … end: one number an entry, for x, y and z alike.
 void multiply_scalars(const Quads::View& rows, const float* value, const float* y, Index first,
                       Index end, float* out);

@@ -45,8 +45,8 @@ void Level<Entry>::prepare(Pattern p, std::vector<Mask> masks) {
   quads = Quads(pattern);
   held = std::move(masks);
   const auto nodes = static_cast<std::size_t>(pattern.nodes);
-  value.assign(quads.places() * Entry::kSize, 0);
-  inverse.assign(padded(pattern.nodes) * Entry::kSize, 0);
+  value.assign(quads.places() * Entry::kSize + kOverrun, 0);
+  inverse.assign(padded(pattern.nodes) * Entry::kSize + kOverrun, 0);
   for (LaneVector* v : {&f, &x, &r, &next_}) v->assign(pattern.nodes);
   diagonal.resize(nodes);
   std::vector<Lanes> factor(nodes, kAll);

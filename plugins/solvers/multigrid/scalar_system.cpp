@@ -51,7 +51,7 @@ ScalarSystem::ScalarSystem(const deform::SparseMatrix& pattern, std::span<const 
       place_.push_back(
           level.quads.place(node, level.pattern.begin[static_cast<std::size_t>(node)] + k));
   }
-  value_.assign(level.quads.places(), 0);
+  value_.assign(level.quads.places() + kOverrun, 0);
   b_.assign(total);
   x_.assign(total);
 }
