@@ -115,16 +115,19 @@ template <class Entry, class Columns>
 }
 
 template <class Entry, class Number>
-[[gnu::always_inline]] inline void multiply(const Quads::View& rows, const Number* value,
-                                            const Number* y, Index first, Index end, Number* out) {
-  for (Index q = first; q < end; ++q) {
-    const std::int32_t begin = rows.begin[q], stop = rows.begin[q + 1];
-    if (rows.gather[q] < 0)
-      sum_entries<Entry>(InSequence<Number>{y, rows.column}, value, begin, stop, out + 16 * q);
-    else
-      sum_entries<Entry>(Gathered<Number>{y, rows.gathered + rows.gather[q], begin, {}}, value,
-                         begin, stop, out + 16 * q);
-  }
+[[gnu::always_inline]] inline void multiply_quad(const Quads::View& rows, const Number* value,
+                                                 const Number* y, Index q, Number* out) {
+  const std::int32_t begin = rows.begin[q], end = rows.begin[q + 1];
+  if (rows.gather[q] < 0)
+    sum_entries<Entry>(InSequence<Number>{y, rows.column}, value, begin, end, out);
+  else
+    sum_entries<Entry>(Gathered<Number>{y, rows.gathered + rows.gather[q], begin, {}}, value, begin,
+                       end, out);
+}
+template <class Entry>
+[[gnu::always_inline]] inline void multiply(const Quads::View& rows, const float* value,
+                                            const float* y, Index first, Index end, float* out) {
+  for (Index q = first; q < end; ++q) multiply_quad<Entry>(rows, value, y, q, out + 16 * q);
 }
 
 /// The inverse of the diagonal is an entry a quad.
@@ -156,13 +159,18 @@ DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const float* value,
                                     Index first, Index end, float* out) {
   multiply<ScalarEntry>(rows, value, y, first, end, out);
 }
-DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const double* value, const double* y,
-                                    Index first, Index end, double* out) {
-  multiply<ScalarEntry>(rows, value, y, first, end, out);
-}
 DEFORM_KERNEL void multiply_blocks(const Quads::View& rows, const float* value, const float* y,
                                    Index first, Index end, float* out) {
   multiply<BlockEntry>(rows, value, y, first, end, out);
+}
+
+DEFORM_KERNEL void find_residual(const Quads::View& rows, const double* value, const double* x,
+                                 const double* b, Index first, Index end, float* r) {
+  for (Index q = first; q < end; ++q) {
+    double product[16];
+    multiply_quad<ScalarEntry>(rows, value, x, q, product);
+    for (Index i = 0; i < 16; ++i) r[16 * q + i] = static_cast<float>(b[16 * q + i] - product[i]);
+  }
 }
 
 DEFORM_KERNEL void smooth_scalars(const Smoothing& s, Index first, Index end, float* next) {
@@ -196,22 +204,12 @@ DEFORM_KERNEL double dot(const double* a, const double* b, Index first, Index en
 DEFORM_KERNEL void add(float factor, const float* from, Index first, Index end, float* to) {
   for (Index i = 16 * first; i < 16 * end; ++i) to[i] += factor * from[i];
 }
-DEFORM_KERNEL void add(double factor, const double* from, Index first, Index end, double* to) {
-  for (Index i = 16 * first; i < 16 * end; ++i) to[i] += factor * from[i];
+DEFORM_KERNEL void add(float factor, const float* from, Index first, Index end, double* to) {
+  for (Index i = 16 * first; i < 16 * end; ++i)
+    to[i] += static_cast<double>(factor) * static_cast<double>(from[i]);
 }
 DEFORM_KERNEL void scale_and_add(float factor, const float* from, Index first, Index end,
                                  float* to) {
   for (Index i = 16 * first; i < 16 * end; ++i) to[i] = from[i] + factor * to[i];
 }
-DEFORM_KERNEL void scale_and_add(double factor, const double* from, Index first, Index end,
-                                 double* to) {
-  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = from[i] + factor * to[i];
-}
-DEFORM_KERNEL void convert(const double* from, Index first, Index end, float* to) {
-  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = static_cast<float>(from[i]);
-}
-DEFORM_KERNEL void convert(const float* from, Index first, Index end, double* to) {
-  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = static_cast<double>(from[i]);
-}
-
 }  // namespace multigrid

@@ -1,7 +1,6 @@
 #include "level.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace multigrid {
 namespace {
@@ -90,11 +89,9 @@ void Level<Entry>::finish() {
 
 template <class Entry>
 double Level<Entry>::product(const LaneVector& a, const LaneVector& b) {
-  parts_.resize(static_cast<std::size_t>((a.quads() + kQuads - 1) / kQuads));
-  deform::parallel_blocks(a.quads(), kQuads, [&](Index first, Index size) {
-    parts_[static_cast<std::size_t>(first / kQuads)] = dot(a.data(), b.data(), first, first + size);
+  return sums_(a.quads(), [&](Index first, Index size) {
+    return dot(a.data(), b.data(), first, first + size);
   });
-  return std::accumulate(parts_.begin(), parts_.end(), 0.0);
 }
 
 /// Power iterations x ← D⁻¹A x; the quotient is xᵀA D⁻¹A x / xᵀA x.
@@ -133,13 +130,27 @@ void Level<Entry>::find_residual() {
 }
 
 template <class Entry>
+void Level<Entry>::smooth_some(Index first, Index size) {
+  multiply(x, first, size, r);
+  Entry::smooth({inverse.data(), f.data(), damping_, x.data(), r.data()}, first, first + size,
+                next_.data());
+}
+
+template <class Entry>
 void Level<Entry>::smooth() {
-  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
-    multiply(x, first, size, r);
-    Entry::smooth({inverse.data(), f.data(), damping_, x.data(), r.data()}, first, first + size,
-                  next_.data());
+  deform::parallel_blocks(x.quads(), kQuads,
+                          [&](Index first, Index size) { smooth_some(first, size); });
+  x.swap(next_);
+}
+
+template <class Entry>
+double Level<Entry>::smooth_and_multiply() {
+  const double sum = sums_(x.quads(), [&](Index first, Index size) {
+    smooth_some(first, size);
+    return dot(f.data(), next_.data(), first, first + size);
   });
   x.swap(next_);
+  return sum;
 }
 
 template struct Level<Block>;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include <deform/parallel.h>
@@ -18,6 +19,23 @@ inline constexpr Index kRows = 256, kQuads = kRows / kQuad;
 struct Mask {
   std::int32_t node = 0;
   Lanes factor;
+};
+
+/// Sums over blocks of quads, taken in an order that does not depend on threads.
+class Sums {
+ public:
+  /// body(first, size): the part of some quads.
+  template <class Body>
+  double operator()(Index quads, const Body& body) {
+    parts_.resize(static_cast<std::size_t>((quads + kQuads - 1) / kQuads));
+    deform::parallel_blocks(quads, kQuads, [&](Index first, Index size) {
+      parts_[static_cast<std::size_t>(first / kQuads)] = body(first, size);
+    });
+    return std::accumulate(parts_.begin(), parts_.end(), 0.0);
+  }
+
+ private:
+  std::vector<double> parts_;
 };
 
 template <class Entry>
@@ -59,9 +77,12 @@ struct Level {
   void find_residual();
   /// x += ω D⁻¹ (f − A x).
   void smooth();
+  /// The same, and f·x of what becomes of x.
+  [[nodiscard]] double smooth_and_multiply();
+  [[nodiscard]] double product(const LaneVector& a, const LaneVector& b);
 
  private:
-  [[nodiscard]] double product(const LaneVector& a, const LaneVector& b);
+  void smooth_some(Index first, Index size);
 
   struct Cut {
     std::int32_t place = 0;
@@ -70,7 +91,7 @@ struct Level {
   std::vector<Cut> cuts_;  // blocks with held components
   LaneVector next_;
   float damping_ = 0.65F;  // ω: right for membranes, whose largest eigenvalue is about 2
-  std::vector<double> parts_;
+  Sums sums_;
 };
 
 }  // namespace multigrid

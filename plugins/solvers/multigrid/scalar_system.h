@@ -12,7 +12,7 @@
 
 namespace multigrid {
 
-/// Conjugate gradients in double precision; only the preconditioner is in single.
+/// Corrections come from conjugate gradients in single precision, residuals are in double.
 class ScalarSystem {
  public:
   /// `nodes`: of each unknown; `total`: of the surface.
@@ -26,14 +26,20 @@ class ScalarSystem {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  void precondition(const NodeLanes<double>& r, NodeLanes<double>& z);
+  [[nodiscard]] std::string improve_nodes(double tolerance, int most);
+  [[nodiscard]] bool find_residual_is_rounding();
+  [[nodiscard]] Ending correct(Goal goal, int most);
+  [[nodiscard]] double norm(const NodeLanes<double>& y);
 
   std::vector<std::int32_t> node_;   // of an unknown
   std::vector<std::int32_t> place_;  // of each entry, in the finest level's matrix …
   std::vector<double> value_;        // … and in this one, of the last factor
   std::optional<Cycle<Scalar>> cycle_;
-  ConjugateGradients<double> gradients_;
+  double largest_diagonal_ = 0;
+  ConjugateGradients gradients_;
   NodeLanes<double> b_, x_;
+  LaneVector correction_;
+  Sums sums_;
   int iterations_ = 0;
 };
 
