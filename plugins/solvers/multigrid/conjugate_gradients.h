@@ -18,23 +18,22 @@ struct Ending {
   int iterations = 0;
   bool has_converged = false;
   bool is_indefinite = false;  ///< the matrix, or the preconditioner
-  double first = 0;            ///< r·z of x = 0
+  double first = 0, last = 0;  ///< r·z
 };
 
 /// Keeps its vectors from call to call.
 class ConjugateGradients {
  public:
-  /// A x = b from 0. r: b, of which the residual is left; multiply(y, first, size, out): A y for
-  /// some quads; precondition(): z ≈ A⁻¹ r, returns r·z. Sums are taken in an order that does not
-  /// depend on threads.
-  template <class Multiply, class Precondition>
+  /// Adds to x, in its precision, what takes its residual r away; what is left of that is in r
+  /// then. multiply(y, first, size, out): A y for some quads; precondition(): z ≈ A⁻¹ r, returns
+  /// r·z. Sums are taken in an order that does not depend on threads.
+  template <class Multiply, class Precondition, class Vector>
   Ending solve(const Multiply& multiply, const Precondition& precondition, LaneVector& r,
-               const LaneVector& z, LaneVector& x, Goal goal, int most) {
-    x.set_zero(r.quads());
+               const LaneVector& z, Vector& x, Goal goal, int most) {
     q_.resize(r.quads());
     double rz = precondition();
     const double enough = std::max(goal.part * goal.part * rz, goal.absolute);
-    Ending end{0, rz <= enough, !(rz >= 0), rz};
+    Ending end{0, rz <= enough, !(rz >= 0), rz, rz};
     if (!end.has_converged) p_ = z;
     while (!end.has_converged && !end.is_indefinite && end.iterations < most) {
       const double curvature = sums_(r.quads(), [&](Index first, Index size) {
@@ -53,7 +52,7 @@ class ConjugateGradients {
       end.has_converged = next <= enough;
       end.is_indefinite = !(next >= 0);
       const auto beta = static_cast<float>(next / rz);
-      rz = next;
+      rz = end.last = next;
       if (end.has_converged) break;
       deform::parallel_blocks(r.quads(), kQuads, [&](Index first, Index size) {
         scale_and_add(beta, z.data(), first, first + size, p_.data());

@@ -38,7 +38,7 @@ template <class Entry>
 void Cycle<Entry>::renew(bool coarse_levels) {
   levels_.front().finish();
   if (!coarse_levels) return;
-  if (treatment_ == Finest::smoothed) levels_.front().choose_damping();
+  if constexpr (std::same_as<Entry, Scalar>) levels_.front().choose_damping_by_rows();
   for (std::size_t l = 1; l < levels_.size(); ++l) {
     between_[l - 1].multiply(levels_[l - 1], levels_[l]);
     levels_[l].finish();

@@ -14,8 +14,8 @@ AlikeRows rows_of(const deform::Prolongation& p) {
   std::vector<AlikeRows::Entry> row;
   for (std::size_t a = 0; a + 1 < p.begin.size(); ++a) {
     row.clear();
-    for (auto q = static_cast<std::size_t>(p.begin[a]); q < static_cast<std::size_t>(p.begin[a + 1]);
-         ++q)
+    for (auto q = static_cast<std::size_t>(p.begin[a]);
+         q < static_cast<std::size_t>(p.begin[a + 1]); ++q)
       row.push_back({p.node[q], static_cast<float>(p.weight[q])});
     rows.add(row);
   }
@@ -29,8 +29,8 @@ AlikeRows transposed_rows_of(const deform::Prolongation& p) {
   std::vector<AlikeRows::Entry> all(p.node.size());
   std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
   for (std::size_t a = 0; a + 1 < p.begin.size(); ++a)
-    for (auto q = static_cast<std::size_t>(p.begin[a]); q < static_cast<std::size_t>(p.begin[a + 1]);
-         ++q)
+    for (auto q = static_cast<std::size_t>(p.begin[a]);
+         q < static_cast<std::size_t>(p.begin[a + 1]); ++q)
       all[next[static_cast<std::size_t>(p.node[q])]++] = {static_cast<std::int32_t>(a),
                                                           static_cast<float>(p.weight[q])};
   AlikeRows rows;
@@ -52,6 +52,15 @@ std::span<const std::int32_t> columns_of(const Pattern& a, std::int32_t row) {
   const auto r = static_cast<std::size_t>(row);
   return std::span(a.column).subspan(static_cast<std::size_t>(a.begin[r]),
                                      static_cast<std::size_t>(a.begin[r + 1] - a.begin[r]));
+}
+
+/// Adds a row's entries, which follow by fours, times a weight, where they belong; four rows.
+inline void add_entries(float weight, const std::array<const float*, kQuad>& from,
+                        const std::uint16_t* slot, std::int32_t size, Lanes* to) {
+  const Lanes weights{{weight, weight, weight, weight}};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(size); ++k)
+    to[slot[k]] +=
+        weights * Lanes{{from[0][4 * k], from[1][4 * k], from[2][4 * k], from[3][4 * k]}};
 }
 
 }  // namespace
@@ -100,19 +109,22 @@ class Galerkin::Planner {
       for (const std::int32_t b : columns) plan.slot.push_back(place_in(fine_columns_, b));
     });
     for (const std::int32_t b : fine_columns_)
-      for (std::size_t q = 0; q < p_.size(b); ++q)
-        coarse_columns_.push_back(p_.entry(b, q).column);
+      for (std::size_t q = 0; q < p_.size(b); ++q) coarse_columns_.push_back(p_.entry(b, q).column);
     sort_unique(coarse_columns_);
+    std::vector<std::vector<Share>> shares(coarse_columns_.size());
     for (std::size_t i = 0; i < fine_columns_.size(); ++i)
       for (std::size_t q = 0; q < p_.size(fine_columns_[i]); ++q) {
         const AlikeRows::Entry e = p_.entry(fine_columns_[i], q);
-        plan.shares.push_back(
-            {static_cast<std::uint16_t>(i), place_in(coarse_columns_, e.column), e.weight});
+        shares[place_in(coarse_columns_, e.column)].push_back(
+            {static_cast<std::uint16_t>(i), e.weight});
       }
+    for (const std::vector<Share>& of_entry : shares) {
+      plan.shares.insert(plan.shares.end(), of_entry.begin(), of_entry.end());
+      plan.end.push_back(static_cast<std::uint16_t>(plan.shares.size()));
+    }
     for (std::size_t t = 0; t < transposed_.size(c); ++t)
       plan.weight.push_back(transposed_.entry(c, t).weight);
     plan.slots = static_cast<std::uint16_t>(fine_columns_.size());
-    plan.columns = static_cast<std::uint16_t>(coarse_columns_.size());
     return plan;
   }
 
@@ -170,11 +182,10 @@ void Galerkin::multiply(const Level<Block>& fine, Level<Block>& coarse) const {
 }
 
 void Galerkin::make_row(const Level<Block>& fine, Index c, Level<Block>& coarse) const {
-  // Kept by each thread from call to call: no allocation once they are large enough.
-  thread_local std::vector<Sum<Block>> t, row;
+  // Kept by each thread from call to call: no allocation once it is large enough.
+  thread_local std::vector<Sum<Block>> t;
   const Plan& plan = plan_of(c);
   t.assign(plan.slots, {});
-  row.assign(plan.columns, {});
   const std::uint16_t* slot = plan.slot.data();
   for (std::size_t i = 0; i < plan.size.size(); ++i) {
     const std::int32_t a = transposed_.entry(c, i).column;
@@ -183,11 +194,14 @@ void Galerkin::make_row(const Level<Block>& fine, Index c, Level<Block>& coarse)
       add<Block>(t[*slot++], plan.weight[i],
                  fine.value.data() + Block::start(fine.quads.place(a, begin + k)));
   }
-  for (const Share& s : plan.shares) add<Block>(row[s.to], s.weight, t[s.from]);
-  const std::int32_t begin = coarse_.begin[static_cast<std::size_t>(c)];
-  for (std::size_t k = 0; k < row.size(); ++k)
-    store(row[k], coarse.value.data() + Block::start(coarse.quads.place(
-                                            c, begin + static_cast<std::int32_t>(k))));
+  const Share* share = plan.shares.data();
+  std::int32_t p = coarse_.begin[static_cast<std::size_t>(c)];
+  for (const std::uint16_t end : plan.end) {
+    Sum<Block> entry{};
+    for (; share != plan.shares.data() + end; ++share)
+      add<Block>(entry, share->weight, t[share->from]);
+    store(entry, coarse.value.data() + Block::start(coarse.quads.place(c, p++)));
+  }
 }
 
 void Galerkin::multiply(const Level<Scalar>& fine, Level<Scalar>& coarse) const {
@@ -208,42 +222,44 @@ void Galerkin::multiply(const Level<Scalar>& fine, Level<Scalar>& coarse) const 
 /// Four rows of one plan at once, each in a lane.
 void Galerkin::make_rows(const Level<Scalar>& fine, const std::array<Index, kQuad>& c,
                          Level<Scalar>& coarse) const {
-  thread_local std::vector<Lanes> t, rows;
+  thread_local std::vector<Lanes> t;
   const Plan& plan = plan_of(c[0]);
   t.assign(plan.slots, {});
-  rows.assign(plan.columns, {});
+  const float* const value = fine.value.data();
   const std::uint16_t* slot = plan.slot.data();
+  Lanes* const to = t.data();
   for (std::size_t i = 0; i < plan.size.size(); ++i) {
+    const std::int32_t size = plan.size[i];
+    const float weight = plan.weight[i];
     std::array<std::int32_t, kQuad> a{}, start{};
     for (std::size_t lane = 0; lane < kQuad; ++lane) {
       a[lane] = transposed_.entry(c[lane], i).column;
       start[lane] = start_[static_cast<std::size_t>(a[lane])];
     }
-    const auto add_entries = [&](const auto& place) {
-      for (std::int32_t k = 0; k < plan.size[i]; ++k) {
-        const Lanes entries{{fine.value[static_cast<std::size_t>(place(0, k))],
-                             fine.value[static_cast<std::size_t>(place(1, k))],
-                             fine.value[static_cast<std::size_t>(place(2, k))],
-                             fine.value[static_cast<std::size_t>(place(3, k))]}};
-        t[*slot++] += plan.weight[i] * entries;
-      }
-    };
     if (std::ranges::min(start) >= 0) {
-      add_entries([&](std::size_t lane, std::int32_t k) { return start[lane] + 4 * k; });
+      add_entries(weight, {value + start[0], value + start[1], value + start[2], value + start[3]},
+                  slot, size, to);
     } else {
-      add_entries([&](std::size_t lane, std::int32_t k) {
-        return fine.quads.place(a[lane],
-                                fine.pattern.begin[static_cast<std::size_t>(a[lane])] + k);
-      });
+      for (std::int32_t k = 0; k < size; ++k) {
+        Lanes entries;
+        for (std::size_t lane = 0; lane < kQuad; ++lane)
+          entries.set(static_cast<int>(lane),
+                      value[fine.quads.place(
+                          a[lane], fine.pattern.begin[static_cast<std::size_t>(a[lane])] + k)]);
+        to[slot[k]] += weight * entries;
+      }
     }
+    slot += size;
   }
-  for (const Share& s : plan.shares) rows[s.to] += s.weight * t[s.from];
-  for (std::size_t lane = 0; lane < kQuad; ++lane) {
-    const std::int32_t begin = coarse_.begin[static_cast<std::size_t>(c[lane])];
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      coarse.value[static_cast<std::size_t>(
-          coarse.quads.place(c[lane], begin + static_cast<std::int32_t>(k)))] =
-          rows[k][static_cast<int>(lane)];
+  const Share* share = plan.shares.data();
+  for (std::size_t k = 0; k < plan.end.size(); ++k) {
+    Lanes entries;
+    for (const Share* const end = plan.shares.data() + plan.end[k]; share != end; ++share)
+      entries += share->weight * to[share->from];
+    for (std::size_t lane = 0; lane < kQuad; ++lane)
+      coarse.value[static_cast<std::size_t>(coarse.quads.place(
+          c[lane], coarse_.begin[static_cast<std::size_t>(c[lane])] +
+                       static_cast<std::int32_t>(k)))] = entries[static_cast<int>(lane)];
   }
 }
 

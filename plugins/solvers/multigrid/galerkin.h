@@ -33,18 +33,19 @@ class Galerkin {
   [[nodiscard]] std::int32_t same(Index fine) const;
 
  private:
-  /// An entry of T's row, times a weight, is part of one of the coarse row.
+  /// An entry of T's row, and the weight with which it is part of one of the coarse row.
   struct Share {
-    std::uint16_t from = 0, to = 0;
+    std::uint16_t from = 0;
     float weight = 0;
     auto operator<=>(const Share&) const = default;
   };
   /// Where the products of a coarse row go.
   struct Plan {
-    std::vector<std::uint16_t> slot;    // in T's row, of each entry of each fine row
-    std::vector<std::uint16_t> size;    // entries of each fine row
-    std::vector<float> weight;          // of each fine row
-    std::uint16_t slots = 0, columns = 0;  // of T's row and of the coarse row
+    std::vector<std::uint16_t> slot;  // in T's row, of each entry of each fine row
+    std::vector<std::uint16_t> size;  // entries of each fine row
+    std::vector<float> weight;        // of each fine row
+    std::uint16_t slots = 0;          // of T's row
+    std::vector<std::uint16_t> end;   // in `shares`, of each entry of the coarse row
     std::vector<Share> shares;
     auto operator<=>(const Plan&) const = default;
   };

@@ -13,6 +13,7 @@ namespace {
 /// The lanes of a quad of nodes in single precision, and of two nodes in double precision.
 using Quad [[gnu::vector_size(64)]] = float;
 using Pair [[gnu::vector_size(64)]] = double;
+using HalfQuad [[gnu::vector_size(32)]] = float;
 
 template <class Vector, class Number>
 [[gnu::always_inline]] inline Vector load(const Number* from) {
@@ -25,9 +26,9 @@ template <class Vector, class Number>
   std::memcpy(to, &v, sizeof v);
 }
 
-/// The first four numbers, or the two from the first or third on, each in all lanes of its node. The
-/// whole vector has been loaded (kOverrun): a compiler makes a wide vector of a narrow one by way of
-/// memory, which waits for what has just been stored.
+/// The first four numbers, or the two from the first or third on, each in all lanes of its node.
+/// The whole vector has been loaded (kOverrun): a compiler makes a wide vector of a narrow one by
+/// way of memory, which waits for what has just been stored.
 [[gnu::always_inline]] inline Quad spread(const Quad& v) {
   return __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
 }
@@ -100,23 +101,27 @@ template <class Entry, class Columns>
   if (e < end) even += Entry::times(value + Entry::kNumbers * e, load<Quad>(y.at(e)));
   store(even + odd, out);
 }
+[[gnu::always_inline]] inline Pair two_nodes(const double* lanes) { return load<Pair>(lanes); }
+[[gnu::always_inline]] inline Pair two_nodes(const float* lanes) {
+  return __builtin_convertvector(load<HalfQuad>(lanes), Pair);
+}
 template <class Entry, class Columns>
 [[gnu::always_inline]] inline void sum_entries(const Columns& y, const double* value,
                                                std::int32_t first, std::int32_t end, double* out) {
   Pair low{}, high{};
   for (std::int32_t e = first; e < end; ++e) {
     const Pair v = load<Pair>(value + Entry::kNumbers * e);
-    const double* lanes = y.at(e);
-    low += spread_low(v) * load<Pair>(lanes);
-    high += spread_high(v) * load<Pair>(lanes + 8);
+    const auto* lanes = y.at(e);
+    low += spread_low(v) * two_nodes(lanes);
+    high += spread_high(v) * two_nodes(lanes + 8);
   }
   store(low, out);
   store(high, out + 8);
 }
 
-template <class Entry, class Number>
-[[gnu::always_inline]] inline void multiply_quad(const Quads::View& rows, const Number* value,
-                                                 const Number* y, Index q, Number* out) {
+template <class Entry, class Value, class Number, class Sum>
+[[gnu::always_inline]] inline void multiply_quad(const Quads::View& rows, const Value* value,
+                                                 const Number* y, Index q, Sum* out) {
   const std::int32_t begin = rows.begin[q], end = rows.begin[q + 1];
   if (rows.gather[q] < 0)
     sum_entries<Entry>(InSequence<Number>{y, rows.column}, value, begin, end, out);
@@ -164,6 +169,14 @@ DEFORM_KERNEL void multiply_blocks(const Quads::View& rows, const float* value, 
   multiply<BlockEntry>(rows, value, y, first, end, out);
 }
 
+DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const double* value, const float* y,
+                                    Index first, Index end, float* out) {
+  for (Index q = first; q < end; ++q) {
+    double product[16];
+    multiply_quad<ScalarEntry>(rows, value, y, q, product);
+    for (Index i = 0; i < 16; ++i) out[16 * q + i] = static_cast<float>(product[i]);
+  }
+}
 DEFORM_KERNEL void find_residual(const Quads::View& rows, const double* value, const double* x,
                                  const double* b, Index first, Index end, float* r) {
   for (Index q = first; q < end; ++q) {
@@ -181,13 +194,12 @@ DEFORM_KERNEL void smooth_blocks(const Smoothing& s, Index first, Index end, flo
 }
 
 DEFORM_KERNEL double dot(const float* a, const float* b, Index first, Index end) {
-  using Half [[gnu::vector_size(32)]] = float;
   Pair low{}, high{};
   for (const float *x = a + 16 * first, *y = b + 16 * first; x < a + 16 * end; x += 16, y += 16) {
-    low +=
-        __builtin_convertvector(load<Half>(x), Pair) * __builtin_convertvector(load<Half>(y), Pair);
-    high += __builtin_convertvector(load<Half>(x + 8), Pair) *
-            __builtin_convertvector(load<Half>(y + 8), Pair);
+    low += __builtin_convertvector(load<HalfQuad>(x), Pair) *
+           __builtin_convertvector(load<HalfQuad>(y), Pair);
+    high += __builtin_convertvector(load<HalfQuad>(x + 8), Pair) *
+            __builtin_convertvector(load<HalfQuad>(y + 8), Pair);
   }
   return sum_of(low, high);
 }

@@ -27,6 +27,10 @@ struct Smoothing {
 void smooth_scalars(const Smoothing& s, Index first, Index end, float* next);
 void smooth_blocks(const Smoothing& s, Index first, Index end, float* next);
 
+/// out = A y with A in double precision and sums so, too: small masses beside large stiffnesses are
+/// no longer what they were when each entry has been rounded to single precision.
+void multiply_scalars(const Quads::View& rows, const double* value, const float* y, Index first,
+                      Index end, float* out);
 /// r = b − A x for quads first … end, found in double precision.
 void find_residual(const Quads::View& rows, const double* value, const double* x, const double* b,
                    Index first, Index end, float* r);

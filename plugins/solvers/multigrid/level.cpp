@@ -7,6 +7,8 @@ namespace {
 
 const Lanes kAll{{1, 1, 1, 0}};
 
+/// ω λ for a bound of λ.
+constexpr double kDampingOfBound = 1.75;
 /// ω λ: below 2 by more than what so many power iterations may underestimate λ by.
 constexpr double kDampingOfLargest = 1.6;
 constexpr int kPowerIterations = 6;
@@ -111,6 +113,25 @@ void Level<Entry>::choose_damping() {
     x.swap(next_);
   }
   damping_ = largest > 0 ? static_cast<float>(kDampingOfLargest / largest) : 0.65F;
+}
+
+template <class Entry>
+void Level<Entry>::choose_damping_by_rows() requires std::same_as<Entry, Scalar> {
+  const auto quad_bound = [&](std::size_t q) {
+    Lanes sum;
+    const Quads::View rows = quads.view();
+    for (std::int32_t e = rows.begin[q]; e < rows.begin[q + 1]; ++e)
+      sum += magnitude(Lanes::load(value.data() + 4 * static_cast<std::size_t>(e)));
+    const Lanes bound = sum * magnitude(Lanes::load(inverse.data() + 4 * q));
+    return std::max(std::max(bound[0], bound[1]), std::max(bound[2], bound[3]));
+  };
+  largest_.resize(static_cast<std::size_t>(x.quads()));
+  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
+    for (auto q = static_cast<std::size_t>(first); q < static_cast<std::size_t>(first + size); ++q)
+      largest_[q] = quad_bound(q);
+  });
+  const float bound = std::ranges::max(largest_);
+  damping_ = bound > 0 ? static_cast<float>(kDampingOfBound) / bound : 0.65F;
 }
 
 template <class Entry>

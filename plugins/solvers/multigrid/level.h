@@ -1,6 +1,7 @@
 /// One level of nodes: the matrix there, products with it, and damped Jacobi steps.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <numeric>
 #include <vector>
@@ -68,8 +69,11 @@ struct Level {
     for (const Mask& m : held) y.set(m.node, m.factor * y.node(m.node));
   }
 
-  /// Chooses ω for steps that smooth, from an estimate of the largest eigenvalue of D⁻¹A.
+  /// Chooses ω for steps that smooth, from an estimate of the largest eigenvalue of D⁻¹A …
   void choose_damping();
+  /// … or from its bound by sums of rows, which takes one pass. Signs that alternate with the
+  /// distance, as those of differences do, make it sharp; coarser matrices have others.
+  void choose_damping_by_rows() requires std::same_as<Entry, Scalar>;
 
   /// x = ω D⁻¹ f.
   void start();
@@ -90,7 +94,8 @@ struct Level {
   };
   std::vector<Cut> cuts_;  // blocks with held components
   LaneVector next_;
-  float damping_ = 0.65F;  // ω: right for membranes, whose largest eigenvalue is about 2
+  std::vector<float> largest_;  // bounds of quads
+  float damping_ = 0.65F;       // ω: right for membranes, whose largest eigenvalue is about 2
   Sums sums_;
 };
 

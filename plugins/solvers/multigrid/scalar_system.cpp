@@ -6,8 +6,9 @@
 namespace multigrid {
 namespace {
 
-/// Of the residual's norm in the preconditioner, what single precision reduces it to at a time.
-constexpr double kPart = 1e-5;
+/// Of the residual's norm in the preconditioner, what single precision reduces it to at a time: far
+/// above what it has rounded until then.
+constexpr double kPart = 1e-4;
 /// Part of |b| and of |A| |x| that their difference may be, for its rounding.
 constexpr double kRounding = 1e-15;
 
@@ -108,20 +109,17 @@ std::string ScalarSystem::improve(const Eigen::Ref<const Eigen::MatrixXd>& b, do
   return reason;
 }
 
-/// What single precision finds of the correction is added, until the residual that is left in
-/// double precision is as small as wanted, or rounding.
+/// The residual is found anew as often as single precision has to reduce it.
 std::string ScalarSystem::improve_nodes(double tolerance, int most) {
   Goal goal{.part = std::max(tolerance, kPart)};
   while (iterations_ < most) {
     if (find_residual_is_rounding()) return "";
+    const bool is_first = iterations_ == 0;
     const Ending end = correct(goal, most - iterations_);
-    if (end.is_indefinite) return "not positive definite";
-    if (iterations_ == 0) goal = {.part = kPart, .absolute = tolerance * tolerance * end.first};
-    if (end.iterations == 0) return "";
     iterations_ += end.iterations;
-    deform::parallel_blocks(x_.quads(), kQuads, [&](Index first, Index size) {
-      add(1, correction_.data(), first, first + size, x_.data());
-    });
+    if (end.is_indefinite) return "not positive definite";
+    if (is_first) goal = {.part = kPart, .absolute = tolerance * tolerance * end.first};
+    if (end.has_converged && (end.last <= goal.absolute || end.iterations == 0)) return "";
   }
   return std::to_string(iterations_) + " iterations do not reduce the residual enough";
 }
@@ -141,9 +139,10 @@ Ending ScalarSystem::correct(Goal goal, int most) {
   Level<Scalar>& level = cycle_->finest();
   return gradients_.solve(
       [&](const LaneVector& y, Index first, Index size, LaneVector& out) {
-        level.multiply(y, first, size, out);
+        multiply_scalars(level.quads.view(), value_.data(), y.data(), first, first + size,
+                         out.data());
       },
-      [&] { return cycle_->run(); }, level.f, level.x, correction_, goal, most);
+      [&] { return cycle_->run(); }, level.f, level.x, x_, goal, most);
 }
 
 double ScalarSystem::norm(const NodeLanes<double>& y) {

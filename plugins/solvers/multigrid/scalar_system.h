@@ -12,7 +12,8 @@
 
 namespace multigrid {
 
-/// Corrections come from conjugate gradients in single precision, residuals are in double.
+/// Matrix and solution are in double precision; corrections, and what preconditions them, in
+/// single.
 class ScalarSystem {
  public:
   /// `nodes`: of each unknown; `total`: of the surface.
@@ -38,7 +39,6 @@ class ScalarSystem {
   double largest_diagonal_ = 0;
   ConjugateGradients gradients_;
   NodeLanes<double> b_, x_;
-  LaneVector correction_;
   Sums sums_;
   int iterations_ = 0;
 };
