@@ -4,7 +4,7 @@ namespace {
 using namespace deform;
 
 struct Parameters {
-  double tolerance = 1e-6;
+  double tolerance = 1e-3;
   static void declare(Declaration<Parameters>& d) {
     d("tolerance", &Parameters::tolerance, "1",
       "where the linear solver is iterative: what it may leave of the error that going on with the "

@@ -36,6 +36,35 @@ struct Shape {
 };
 std::ostream& operator<<(std::ostream& out, const Shape& shape) { return out << shape.name; }
 
+/// Of the fine nodes that are coarse ones.
+Eigen::MatrixX2d coarse_parameters(const Prolongation& linear, const Eigen::MatrixX2d& fine) {
+  Eigen::MatrixX2d coarse(linear.coarse, 2);
+  for (Index a = 0; a < fine.rows(); ++a)
+    if (const auto q = linear.begin[static_cast<std::size_t>(a)];
+        linear.begin[static_cast<std::size_t>(a) + 1] == q + 1)
+      coarse.row(linear.node[static_cast<std::size_t>(q)]) = fine.row(a);
+  return coarse;
+}
+
+void expect_parameters(const Surface& surface, const Prolongation& p,
+                       const Eigen::MatrixX2d& coarse, const Eigen::MatrixX2d& fine) {
+  for (Index a = 0; a < fine.rows(); ++a) {
+    Vec2 sum = Vec2::Zero(), least = fine.row(a), most = least;
+    for (auto q = static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a)]);
+         q < static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a) + 1]); ++q) {
+      const Vec2 at = coarse.row(p.node[q]);
+      sum += p.weight[q] * at;
+      least = least.cwiseMin(at), most = most.cwiseMax(at);
+    }
+    for (int k = 0; k < 2; ++k) {
+      const bool wraps = surface.period()[k] > 0 && most[k] - least[k] > surface.period()[k] / 2;
+      if (!wraps) {
+        EXPECT_NEAR(sum[k], fine(a, k), 1e-12);
+      }
+    }
+  }
+}
+
 class Coarsening : public testing::TestWithParam<Shape> {};
 
 /// Interpolated linear functions of the parameters are exact, but across a joined side.
@@ -45,33 +74,17 @@ TEST_P(Coarsening, KeepsLinearFunctions) {
         "integrator": {{"plugin": "symplectic_euler", "step": 0.01}}, "duration": 0.01}})",
                   GetParam().surface));
   const Surface& surface = simulation.system().surface();
+  const std::vector<Prolongation> linear = surface.coarsening(),
+                                  smooth = surface.smooth_coarsening();
+  ASSERT_EQ(linear.size(), smooth.size());
   Eigen::MatrixX2d fine = surface.parameters();
-  Index coarsest = surface.nodes();
-  for (const Prolongation& p : surface.coarsening()) {
-    Eigen::MatrixX2d coarse(p.coarse, 2);
-    for (Index a = 0; a < fine.rows(); ++a)
-      if (const auto q = p.begin[static_cast<std::size_t>(a)];
-          p.begin[static_cast<std::size_t>(a) + 1] == q + 1)
-        coarse.row(p.node[static_cast<std::size_t>(q)]) = fine.row(a);
-    for (Index a = 0; a < fine.rows(); ++a) {
-      Vec2 sum = Vec2::Zero(), least = fine.row(a), most = least;
-      for (auto q = static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a)]);
-           q < static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a) + 1]); ++q) {
-        const Vec2 at = coarse.row(p.node[q]);
-        sum += p.weight[q] * at;
-        least = least.cwiseMin(at), most = most.cwiseMax(at);
-      }
-      for (int k = 0; k < 2; ++k) {
-        const bool wraps = surface.period()[k] > 0 && most[k] - least[k] > surface.period()[k] / 2;
-        if (!wraps) {
-          EXPECT_NEAR(sum[k], fine(a, k), 1e-12);
-        }
-      }
-    }
+  for (std::size_t l = 0; l < linear.size(); ++l) {
+    const Eigen::MatrixX2d coarse = coarse_parameters(linear[l], fine);
+    expect_parameters(surface, linear[l], coarse, fine);
+    expect_parameters(surface, smooth[l], coarse, fine);
     fine = coarse;
-    coarsest = p.coarse;
   }
-  EXPECT_LE(coarsest, 30);
+  EXPECT_LE(fine.rows(), 30);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -85,6 +98,52 @@ INSTANTIATE_TEST_SUITE_P(
                     Shape{"an_odd_cylinder", R"("nodes": [25, 13], "periodic": [true, false],
                           "rest": {"plugin": "arc", "radius": 0.15915494309189535})"}),
     [](const auto& shape) { return shape.param.name; });
+
+/// The second differences of u at nodes inside.
+double bending_of(const Eigen::VectorXd& u) {
+  const Index n = u.size() - 2;
+  return (u.head(n) - 2 * u.segment(1, n) + u.tail(n)).squaredNorm();
+}
+
+/// A parabola's second derivative is the same on all levels: interpolated smoothly, its energy is,
+/// too, but for the ends; linearly it doubles each time.
+TEST(SmoothCoarsening, KeepsTheEnergyOfBending) {
+  Simulation simulation = simulation_from_text(
+      R"({"surface": {"plugin": "grid", "nodes": [129, 5], "size": [128, 4]},
+          "material": {"density": 1},
+          "integrator": {"plugin": "symplectic_euler", "step": 0.01}, "duration": 0.01})");
+  const Surface& surface = simulation.system().surface();
+  const auto energy = [](const Prolongation& p) {
+    const Index coarse = p.coarse / 5;
+    Eigen::VectorXd u(129);
+    for (std::size_t a = 0; a < 129; ++a) {
+      u[static_cast<Index>(a)] = 0;
+      for (auto q = static_cast<std::size_t>(p.begin[a]);
+           q < static_cast<std::size_t>(p.begin[a + 1]); ++q) {
+        const double x = 2.0 * (p.node[q] % static_cast<std::int32_t>(coarse));
+        u[static_cast<Index>(a)] += p.weight[q] * x * x / 2;
+      }
+    }
+    return bending_of(u);
+  };
+  EXPECT_NEAR(energy(surface.smooth_coarsening().front()), 127, 3);
+  EXPECT_NEAR(energy(surface.coarsening().front()), 254, 3);
+}
+
+/// Steps that may take so many iterations each.
+TEST(Multigrid, TakesAsManyIterationsForBendingOnFineGrids) {
+  for (const int nodes : {65, 129, 193}) {
+    Simulation simulation =
+        simulation_of("benchmarks/sheet_p.json", "base",
+                      {{"/surface/nodes", fmt::format("[{0}, {0}]", nodes)},
+                       {"/duration", "0.1"},
+                       {"/integrator/tolerance", "1e-4"},
+                       {"/solver", R"({"plugin": "multigrid", "iterations": 9})"},
+                       {"/energies/1", R"({"plugin": "bending_variational", "xi": 1e-3})"}});
+    const auto diverged = test::run_to_end(simulation);
+    EXPECT_FALSE(diverged) << nodes << ": " << diverged->what();
+  }
+}
 
 /// The tangent of a sheet at rest and its masses, for steps of 0.01 s: what an implicit step solves
 /// with. The iterations that reduce a random error to 1e-5.

@@ -26,7 +26,12 @@ class SurfaceCheck {
     check_arrays();
     check_faces();
     for (const SampleRole role : {SampleRole::membrane, SampleRole::bending}) check_samples(role);
-    check_coarsening();
+    const std::vector<Prolongation> linear = surface_.coarsening(),
+                                    smooth = surface_.smooth_coarsening();
+    check_coarsening("coarsening()", linear);
+    check_coarsening("smooth_coarsening()", smooth);
+    if (!std::ranges::equal(linear, smooth, {}, &Prolongation::coarse, &Prolongation::coarse))
+      note("smooth_coarsening() must have as many coarse nodes as coarsening()");
     for (const std::string& name : surface_.boundary_names()) {
       check_selection("boundary", name, surface_.boundary(name));
       check_edge(name);
@@ -90,29 +95,26 @@ class SurfaceCheck {
   }
 
   /// Each prolongation starts where the one before ended, and keeps constants.
-  void check_coarsening() {
+  void check_coarsening(const char* what, const std::vector<Prolongation>& all) {
     Index fine = nodes_;
-    const std::vector<Prolongation> all = surface_.coarsening();
     for (std::size_t l = 0; l < all.size(); ++l) {
       const Prolongation& p = all[l];
       const bool is_table = static_cast<Index>(p.begin.size()) == fine + 1 &&
                             p.begin.front() == 0 && std::ranges::is_sorted(p.begin) &&
                             p.begin.back() == static_cast<std::int64_t>(p.node.size()) &&
                             p.weight.size() == p.node.size() && p.coarse > 0 && p.coarse < fine;
-      if (!is_table)
-        return note("coarsening()[{}] is no table of {} rows with fewer columns", l, fine);
+      if (!is_table) return note("{}[{}] is no table of {} rows with fewer columns", what, l, fine);
       for (Index a = 0; a < fine; ++a) {
         double sum = 0;
         for (auto q = static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a)]);
              q < static_cast<std::size_t>(p.begin[static_cast<std::size_t>(a) + 1]); ++q) {
           if (p.node[q] < 0 || p.node[q] >= p.coarse)
-            return note("coarsening()[{}] names coarse node {}, expected 0 to {}", l, p.node[q],
+            return note("{}[{}] names coarse node {}, expected 0 to {}", what, l, p.node[q],
                         p.coarse - 1);
           sum += p.weight[q];
         }
         if (!(std::abs(sum - 1) < 1e-9))
-          return note("coarsening()[{}] has weights of node {} that sum to {}, expected 1", l, a,
-                      sum);
+          return note("{}[{}] has weights of node {} that sum to {}, expected 1", what, l, a, sum);
       }
       fine = p.coarse;
     }

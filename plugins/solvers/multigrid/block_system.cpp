@@ -87,14 +87,12 @@ void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues&
 
 Ending BlockSystem::iterate(double tolerance, int most) {
   Level<Block>& level = cycle_->finest();
+  level.f = b_;
+  x_.set_zero(b_.quads());
   const Ending end = gradients_.solve([&](const LaneVector& y, Index first, Index size,
                                           LaneVector& out) { level.multiply(y, first, size, out); },
-                                      [&](const LaneVector& r, LaneVector& z) {
-                                        level.f = r;
-                                        cycle_->run();
-                                        z = level.x;
-                                      },
-                                      b_, x_, tolerance, most);
+                                      [&] { return cycle_->run(); }, level.f, level.x, x_,
+                                      {.part = tolerance}, most);
   iterations_ += end.iterations;
   return end;
 }

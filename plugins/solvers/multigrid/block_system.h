@@ -31,7 +31,7 @@ class BlockSystem {
   Limits limits_;
   std::vector<std::int32_t> upper_, lower_;  // places of each block and of its mirror image
   std::optional<Cycle<Block>> cycle_;
-  ConjugateGradients<float> gradients_;
+  ConjugateGradients gradients_;
   LaneVector b_, x_;
   bool is_old_ = false;  // the coarse levels are of an earlier matrix
   bool is_made_ = false;

@@ -1,103 +1,69 @@
-/// Preconditioned conjugate gradients for one vector of nodes, in any precision.
+/// Preconditioned conjugate gradients for one vector of nodes, in single precision.
 #pragma once
 
-#include <numeric>
+#include <algorithm>
 #include <vector>
-
-#include <deform/parallel.h>
 
 #include "level.h"
 
 namespace multigrid {
 
-/// What an iteration begins with.
-enum class From { zero, guess };
+/// What r·z is reduced to, the square of the residual's norm in the preconditioner: to `part²` of
+/// what it is at first, or to `absolute`, whichever comes first.
+struct Goal {
+  double part = 0, absolute = 0;
+};
 
 struct Ending {
   int iterations = 0;
   bool has_converged = false;
   bool is_indefinite = false;  ///< the matrix, or the preconditioner
+  double first = 0, last = 0;  ///< r·z
 };
 
 /// Keeps its vectors from call to call.
-template <class Number>
 class ConjugateGradients {
  public:
-  using Vector = NodeLanes<Number>;
-
-  /// A x = b from a guess x, or from 0, until the residual's norm in the preconditioner has fallen
-  /// to `tolerance` of the guess's, which is taken as it is where that is rounding.
-  /// multiply(y, first, size, out): A y for some quads; precondition(r, z): z ≈ A⁻¹ r. Sums are
-  /// taken in an order that does not depend on threads.
-  template <class Multiply, class Precondition>
-  Ending solve(const Multiply& multiply, const Precondition& precondition, const Vector& b,
-               Vector& x, double tolerance, int most, From from = From::zero) {
-    r_ = b;
-    q_.resize(b.quads());
-    if (from == From::guess) {
-      const double rounding = kRounding * kRounding * product(b, b);
-      each(b, [&](Index first, Index size) {
-        multiply(x, first, size, q_);
-        add(Number{-1}, q_.data(), first, first + size, r_.data());
-      });
-      if (product(r_, r_) <= rounding) return {.has_converged = true};
-    } else {
-      x.set_zero(b.quads());
-    }
-    precondition(r_, z_);
-    double rz = product(r_, z_);
-    const double goal = tolerance * tolerance * rz;
-    p_ = z_;
-    Ending end{0, rz <= goal, !(rz >= 0)};
+  /// Adds to x, in its precision, what takes its residual r away; what is left of that is in r
+  /// then. multiply(y, first, size, out): A y for some quads; precondition(): z ≈ A⁻¹ r, returns
+  /// r·z. Sums are taken in an order that does not depend on threads.
+  template <class Multiply, class Precondition, class Vector>
+  Ending solve(const Multiply& multiply, const Precondition& precondition, LaneVector& r,
+               const LaneVector& z, Vector& x, Goal goal, int most) {
+    q_.resize(r.quads());
+    double rz = precondition();
+    const double enough = std::max(goal.part * goal.part * rz, goal.absolute);
+    Ending end{0, rz <= enough, !(rz >= 0), rz, rz};
+    if (!end.has_converged) p_ = z;
     while (!end.has_converged && !end.is_indefinite && end.iterations < most) {
-      const double curvature = sum(b, [&](Index first, Index size) {
+      const double curvature = sums_(r.quads(), [&](Index first, Index size) {
         multiply(p_, first, size, q_);
         return dot(p_.data(), q_.data(), first, first + size);
       });
       end.is_indefinite = !(curvature > 0);
       if (end.is_indefinite) break;
-      const auto alpha = static_cast<Number>(rz / curvature);
-      each(b, [&](Index first, Index size) {
+      const auto alpha = static_cast<float>(rz / curvature);
+      deform::parallel_blocks(r.quads(), kQuads, [&](Index first, Index size) {
         add(alpha, p_.data(), first, first + size, x.data());
-        add(-alpha, q_.data(), first, first + size, r_.data());
+        add(-alpha, q_.data(), first, first + size, r.data());
       });
       ++end.iterations;
-      precondition(r_, z_);
-      const double next = product(r_, z_);
-      end.has_converged = next <= goal;
+      const double next = precondition();
+      end.has_converged = next <= enough;
       end.is_indefinite = !(next >= 0);
-      const auto beta = static_cast<Number>(next / rz);
-      rz = next;
-      each(b, [&](Index first, Index size) {
-        scale_and_add(beta, z_.data(), first, first + size, p_.data());
+      const auto beta = static_cast<float>(next / rz);
+      rz = end.last = next;
+      if (end.has_converged) break;
+      deform::parallel_blocks(r.quads(), kQuads, [&](Index first, Index size) {
+        scale_and_add(beta, z.data(), first, first + size, p_.data());
       });
     }
     return end;
   }
 
  private:
-  /// Part of the right-hand side that the residual of a solution may be, for its rounding.
-  static constexpr double kRounding = 1e-15;
-
-  template <class Body>
-  static void each(const Vector& like, const Body& body) {
-    deform::parallel_blocks(like.quads(), kQuads, body);
-  }
-  template <class Body>
-  double sum(const Vector& like, const Body& body) {
-    parts_.resize(static_cast<std::size_t>((like.quads() + kQuads - 1) / kQuads));
-    each(like, [&](Index first, Index size) {
-      parts_[static_cast<std::size_t>(first / kQuads)] = body(first, size);
-    });
-    return std::accumulate(parts_.begin(), parts_.end(), 0.0);
-  }
-  double product(const Vector& a, const Vector& b) {
-    return sum(
-        a, [&](Index first, Index size) { return dot(a.data(), b.data(), first, first + size); });
-  }
-
-  Vector r_, z_, p_, q_;
-  std::vector<double> parts_;
+  LaneVector p_, q_;
+  Sums sums_;
 };
 
 }  // namespace multigrid

@@ -27,7 +27,7 @@ Cycle<Entry>::Cycle(Pattern finest, std::vector<Mask> held,
   levels_.front().prepare(std::move(finest), std::move(held));
   for (const deform::Prolongation& p : coarsening) {
     if (levels_.back().pattern.nodes <= kDirect) break;
-    between_.emplace_back(levels_.back().pattern, p);
+    between_.emplace_back(levels_.back(), p);
     Level<Entry> next;
     next.prepare(between_.back().coarse(), coarse_masks(levels_.back().held, between_.back()));
     levels_.push_back(std::move(next));
@@ -38,7 +38,7 @@ template <class Entry>
 void Cycle<Entry>::renew(bool coarse_levels) {
   levels_.front().finish();
   if (!coarse_levels) return;
-  if (treatment_ == Finest::smoothed) levels_.front().choose_damping();
+  if constexpr (std::same_as<Entry, Scalar>) levels_.front().choose_damping_by_rows();
   for (std::size_t l = 1; l < levels_.size(); ++l) {
     between_[l - 1].multiply(levels_[l - 1], levels_[l]);
     levels_[l].finish();
@@ -111,6 +111,13 @@ void Cycle<Entry>::correct(std::size_t l, const LaneVector& x_coarse, bool from_
 template <class Entry>
 void Cycle<Entry>::run_from(std::size_t l) {
   if (l + 1 == levels_.size()) return solve_coarsest();
+  correct_from_coarser(l);
+  levels_[l].smooth();
+}
+
+/// A cycle but for its last step on this level.
+template <class Entry>
+void Cycle<Entry>::correct_from_coarser(std::size_t l) {
   Level<Entry>& level = levels_[l];
   Level<Entry>& next = levels_[l + 1];
   const bool is_additive = l == 0 && treatment_ == Finest::additive;
@@ -122,12 +129,18 @@ void Cycle<Entry>::run_from(std::size_t l) {
   next.mask(next.f);
   run_from(l + 1);
   correct(l, next.x, is_additive);
-  if (!is_additive) level.smooth();
 }
 
 template <class Entry>
-void Cycle<Entry>::run() {
-  run_from(0);
+double Cycle<Entry>::run() {
+  Level<Entry>& level = finest();
+  if (levels_.size() == 1) {
+    solve_coarsest();
+    return level.product(level.f, level.x);
+  }
+  correct_from_coarser(0);
+  if (treatment_ == Finest::smoothed) return level.smooth_and_multiply();
+  return level.product(level.f, level.x);
 }
 
 template class Cycle<Block>;

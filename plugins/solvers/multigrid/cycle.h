@@ -27,13 +27,14 @@ class Cycle {
   /// The values of the finest level are there: makes those of the others, or leaves them at those
   /// of an earlier matrix.
   void renew(bool coarse_levels);
-  /// x of the finest level from its f: one cycle.
-  void run();
+  /// x of the finest level from its f: one cycle. Returns f·x.
+  [[nodiscard]] double run();
 
  private:
   void factor_coarsest();
   void solve_coarsest();
   void run_from(std::size_t level);
+  void correct_from_coarser(std::size_t level);
   void correct(std::size_t level, const LaneVector& x_coarse, bool from_zero);
 
   std::vector<Level<Entry>> levels_;

@@ -1,177 +1,266 @@
 #include "galerkin.h"
 
 #include <algorithm>
+#include <map>
 
 namespace multigrid {
 namespace {
 
-/// Coarse rows a strip: enough that few rows of AP are made twice.
-constexpr Index kStrip = 1024;
+/// A coarse node has more than half of what it gives in the row of the fine node at its place.
+constexpr float kSame = 0.5F;
+
+AlikeRows rows_of(const deform::Prolongation& p) {
+  AlikeRows rows;
+  std::vector<AlikeRows::Entry> row;
+  for (std::size_t a = 0; a + 1 < p.begin.size(); ++a) {
+    row.clear();
+    for (auto q = static_cast<std::size_t>(p.begin[a]);
+         q < static_cast<std::size_t>(p.begin[a + 1]); ++q)
+      row.push_back({p.node[q], static_cast<float>(p.weight[q])});
+    rows.add(row);
+  }
+  return rows;
+}
+
+AlikeRows transposed_rows_of(const deform::Prolongation& p) {
+  std::vector<std::size_t> begin(static_cast<std::size_t>(p.coarse) + 1, 0);
+  for (const std::int32_t c : p.node) ++begin[static_cast<std::size_t>(c) + 1];
+  for (std::size_t c = 0; c + 1 < begin.size(); ++c) begin[c + 1] += begin[c];
+  std::vector<AlikeRows::Entry> all(p.node.size());
+  std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
+  for (std::size_t a = 0; a + 1 < p.begin.size(); ++a)
+    for (auto q = static_cast<std::size_t>(p.begin[a]);
+         q < static_cast<std::size_t>(p.begin[a + 1]); ++q)
+      all[next[static_cast<std::size_t>(p.node[q])]++] = {static_cast<std::int32_t>(a),
+                                                          static_cast<float>(p.weight[q])};
+  AlikeRows rows;
+  for (std::size_t c = 0; c + 1 < begin.size(); ++c)
+    rows.add(std::span(all).subspan(begin[c], begin[c + 1] - begin[c]));
+  return rows;
+}
 
 void sort_unique(std::vector<std::int32_t>& values) {
   std::ranges::sort(values);
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-std::uint16_t slot_of(const std::vector<std::int32_t>& columns, std::int32_t begin,
-                      std::int32_t end, std::int32_t column) {
-  const auto first = columns.begin() + begin;
-  return static_cast<std::uint16_t>(std::lower_bound(first, columns.begin() + end, column) - first);
+std::uint16_t place_in(const std::vector<std::int32_t>& values, std::int32_t value) {
+  return static_cast<std::uint16_t>(std::ranges::lower_bound(values, value) - values.begin());
+}
+
+std::span<const std::int32_t> columns_of(const Pattern& a, std::int32_t row) {
+  const auto r = static_cast<std::size_t>(row);
+  return std::span(a.column).subspan(static_cast<std::size_t>(a.begin[r]),
+                                     static_cast<std::size_t>(a.begin[r + 1] - a.begin[r]));
+}
+
+/// Adds a row's entries, which follow by fours, times a weight, where they belong; four rows.
+inline void add_entries(float weight, const std::array<const float*, kQuad>& from,
+                        const std::uint16_t* slot, std::int32_t size, Lanes* to) {
+  const Lanes weights{{weight, weight, weight, weight}};
+  for (std::size_t k = 0; k < static_cast<std::size_t>(size); ++k)
+    to[slot[k]] +=
+        weights * Lanes{{from[0][4 * k], from[1][4 * k], from[2][4 * k], from[3][4 * k]}};
 }
 
 }  // namespace
 
-Galerkin::Galerkin(const Pattern& fine, const deform::Prolongation& p)
-    : begin_(p.begin), node_(p.node), weight_(p.weight.begin(), p.weight.end()) {
-  transpose(p.coarse);
-  make_product(fine);
-  make_coarse();
-  make_strips();
-}
+/// Makes the plans of coarse rows in ascending order.
+class Galerkin::Planner {
+ public:
+  Planner(const Pattern& fine, const AlikeRows& p, const AlikeRows& transposed)
+      : fine_(fine), p_(p), transposed_(transposed) {}
 
-void Galerkin::transpose(Index coarse) {
-  t_begin_.assign(static_cast<std::size_t>(coarse) + 1, 0);
-  for (const std::int32_t c : node_) ++t_begin_[static_cast<std::size_t>(c) + 1];
-  for (std::size_t c = 0; c < static_cast<std::size_t>(coarse); ++c) t_begin_[c + 1] += t_begin_[c];
-  t_node_.resize(node_.size());
-  t_weight_.resize(node_.size());
-  std::vector<std::int32_t> next(t_begin_.begin(), t_begin_.end() - 1);
-  for (std::size_t a = 0; a + 1 < begin_.size(); ++a)
-    for (auto q = static_cast<std::size_t>(begin_[a]); q < static_cast<std::size_t>(begin_[a + 1]);
-         ++q) {
-      const auto at = static_cast<std::size_t>(next[static_cast<std::size_t>(node_[q])]++);
-      t_node_[at] = static_cast<std::int32_t>(a);
-      t_weight_[at] = weight_[q];
+  [[nodiscard]] const std::vector<std::int32_t>& fine_columns() const { return fine_columns_; }
+  [[nodiscard]] const std::vector<std::int32_t>& coarse_columns() const { return coarse_columns_; }
+
+  /// Whether row c has the plan of the row before, by as much further; goes on to it if so.
+  [[nodiscard]] bool goes_on(Index c) {
+    if (c == 0 || !transposed_.are_alike(c, c - 1)) return false;
+    const std::int32_t step = transposed_.entry(c, 0).column - transposed_.entry(c - 1, 0).column;
+    for (std::size_t t = 0; t < transposed_.size(c); ++t) {
+      const std::int32_t a = transposed_.entry(c, t).column;
+      if (!std::ranges::equal(columns_of(fine_, a), columns_of(fine_, a - step), {}, {},
+                              [&](std::int32_t column) { return column + step; }))
+        return false;
     }
-}
-
-void Galerkin::make_product(const Pattern& fine) {
-  product_begin_ = {0};
-  slot_begin_ = {0};
-  std::vector<std::int32_t> columns;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(fine.nodes); ++a) {
-    columns.clear();
-    const auto visit = [&](const auto& take) {
-      for (auto p = fine.begin[a]; p < fine.begin[a + 1]; ++p) {
-        const auto b = static_cast<std::size_t>(fine.column[static_cast<std::size_t>(p)]);
-        for (auto q = begin_[b]; q < begin_[b + 1]; ++q) take(node_[static_cast<std::size_t>(q)]);
-      }
-    };
-    visit([&](std::int32_t c) { columns.push_back(c); });
-    sort_unique(columns);
-    const auto begin = product_begin_.back();
-    product_column_.insert(product_column_.end(), columns.begin(), columns.end());
-    const auto end = static_cast<std::int32_t>(product_column_.size());
-    visit([&](std::int32_t c) { slot_.push_back(slot_of(product_column_, begin, end, c)); });
-    product_begin_.push_back(end);
-    slot_begin_.push_back(slot_.size());
+    const auto first_of = [&](std::int32_t a) { return p_.entry(a, 0).column; };
+    for (const std::int32_t b : fine_columns_)
+      if (!p_.are_alike(b, b + step) || first_of(b + step) != first_of(b) + 1) return false;
+    for (std::int32_t& b : fine_columns_) b += step;
+    for (std::int32_t& d : coarse_columns_) ++d;
+    return true;
   }
+
+  [[nodiscard]] Plan plan(Index c) {
+    Plan plan;
+    fine_columns_.clear();
+    coarse_columns_.clear();
+    const auto each_row = [&](const auto& visit) {
+      for (std::size_t t = 0; t < transposed_.size(c); ++t)
+        visit(columns_of(fine_, transposed_.entry(c, t).column));
+    };
+    each_row([&](std::span<const std::int32_t> columns) {
+      fine_columns_.insert(fine_columns_.end(), columns.begin(), columns.end());
+    });
+    sort_unique(fine_columns_);
+    each_row([&](std::span<const std::int32_t> columns) {
+      plan.size.push_back(static_cast<std::uint16_t>(columns.size()));
+      for (const std::int32_t b : columns) plan.slot.push_back(place_in(fine_columns_, b));
+    });
+    for (const std::int32_t b : fine_columns_)
+      for (std::size_t q = 0; q < p_.size(b); ++q) coarse_columns_.push_back(p_.entry(b, q).column);
+    sort_unique(coarse_columns_);
+    std::vector<std::vector<Share>> shares(coarse_columns_.size());
+    for (std::size_t i = 0; i < fine_columns_.size(); ++i)
+      for (std::size_t q = 0; q < p_.size(fine_columns_[i]); ++q) {
+        const AlikeRows::Entry e = p_.entry(fine_columns_[i], q);
+        shares[place_in(coarse_columns_, e.column)].push_back(
+            {static_cast<std::uint16_t>(i), e.weight});
+      }
+    for (const std::vector<Share>& of_entry : shares) {
+      plan.shares.insert(plan.shares.end(), of_entry.begin(), of_entry.end());
+      plan.end.push_back(static_cast<std::uint16_t>(plan.shares.size()));
+    }
+    for (std::size_t t = 0; t < transposed_.size(c); ++t)
+      plan.weight.push_back(transposed_.entry(c, t).weight);
+    plan.slots = static_cast<std::uint16_t>(fine_columns_.size());
+    return plan;
+  }
+
+ private:
+  const Pattern& fine_;
+  const AlikeRows &p_, &transposed_;
+  std::vector<std::int32_t> fine_columns_, coarse_columns_;  // of the last row
+};
+
+Galerkin::Galerkin(const Level<Block>& fine, const deform::Prolongation& p)
+    : p_(rows_of(p)), transposed_(transposed_rows_of(p)) {
+  plan(fine.pattern, fine.quads);
+}
+Galerkin::Galerkin(const Level<Scalar>& fine, const deform::Prolongation& p)
+    : p_(rows_of(p)), transposed_(transposed_rows_of(p)) {
+  plan(fine.pattern, fine.quads);
 }
 
-void Galerkin::make_coarse() {
-  coarse_.nodes = static_cast<Index>(t_begin_.size()) - 1;
-  coarse_slot_begin_ = {0};
-  std::vector<std::int32_t> columns;
-  for (std::size_t c = 0; c < static_cast<std::size_t>(coarse_.nodes); ++c) {
-    columns.clear();
-    const auto visit = [&](const auto& take) {
-      for (auto t = t_begin_[c]; t < t_begin_[c + 1]; ++t) {
-        const auto a = static_cast<std::size_t>(t_node_[static_cast<std::size_t>(t)]);
-        for (auto k = product_begin_[a]; k < product_begin_[a + 1]; ++k)
-          take(product_column_[static_cast<std::size_t>(k)]);
-      }
-    };
-    visit([&](std::int32_t d) { columns.push_back(d); });
-    sort_unique(columns);
-    const auto begin = coarse_.begin.back();
+void Galerkin::plan(const Pattern& fine, const Quads& quads) {
+  for (Index a = 0; a < fine.nodes; ++a) start_.push_back(quads.first_place(fine, a));
+  coarse_.nodes = transposed_.rows();
+  Planner planner(fine, p_, transposed_);
+  std::map<Plan, std::int32_t> known;
+  for (Index c = 0; c < coarse_.nodes; ++c) {
+    if (planner.goes_on(c)) {
+      plan_.push_back(plan_.back());
+    } else {
+      const auto next = static_cast<std::int32_t>(known.size());
+      const auto [at, is_new] = known.try_emplace(planner.plan(c), next);
+      if (is_new) plans_.push_back(at->first);
+      plan_.push_back(at->second);
+    }
+    const std::vector<std::int32_t>& columns = planner.coarse_columns();
     coarse_.column.insert(coarse_.column.end(), columns.begin(), columns.end());
-    const auto end = static_cast<std::int32_t>(coarse_.column.size());
-    visit([&](std::int32_t d) { coarse_slot_.push_back(slot_of(coarse_.column, begin, end, d)); });
-    coarse_.begin.push_back(end);
-    coarse_slot_begin_.push_back(coarse_slot_.size());
-  }
-}
-
-void Galerkin::make_strips() {
-  local_.resize(t_node_.size());
-  for (Index first = 0; first < coarse_.nodes; first += kStrip) {
-    Strip strip{first, std::min(kStrip, coarse_.nodes - first), {}};
-    const auto begin = t_begin_[static_cast<std::size_t>(first)],
-               end = t_begin_[static_cast<std::size_t>(first + strip.size)];
-    strip.rows.assign(t_node_.begin() + begin, t_node_.begin() + end);
-    sort_unique(strip.rows);
-    for (auto t = static_cast<std::size_t>(begin); t < static_cast<std::size_t>(end); ++t)
-      local_[t] = static_cast<std::int32_t>(std::ranges::lower_bound(strip.rows, t_node_[t]) -
-                                            strip.rows.begin());
-    strips_.push_back(std::move(strip));
+    coarse_.begin.push_back(static_cast<std::int32_t>(coarse_.column.size()));
   }
 }
 
 std::int32_t Galerkin::same(Index fine) const {
-  const auto a = static_cast<std::size_t>(fine);
-  return begin_[a + 1] - begin_[a] == 1 ? node_[static_cast<std::size_t>(begin_[a])] : -1;
+  for (std::size_t q = 0; q < p_.size(fine); ++q)
+    if (const AlikeRows::Entry e = p_.entry(fine, q); e.weight > kSame) return e.column;
+  return -1;
 }
 
 void Galerkin::restrict_to(const LaneVector& r, LaneVector& f) const {
   deform::parallel_blocks(coarse_.nodes, kRows, [&](Index first, Index size) {
-    for (Index c = first; c < first + size; ++c) {
-      Lanes sum;
-      for (auto t = static_cast<std::size_t>(t_begin_[static_cast<std::size_t>(c)]);
-           t < static_cast<std::size_t>(t_begin_[static_cast<std::size_t>(c) + 1]); ++t)
-        sum += t_weight_[t] * r.node(t_node_[t]);
-      f.set(c, sum);
-    }
+    for (Index c = first; c < first + size; ++c) f.set(c, transposed_.product(c, r));
   });
 }
 
-/// Row a of AP.
-template <class Entry>
-void Galerkin::make_row(const Level<Entry>& fine, std::size_t a, Sum<Entry>* blocks) const {
-  std::fill_n(blocks, product_begin_[a + 1] - product_begin_[a], Sum<Entry>{});
-  const std::uint16_t* slot = slot_.data() + slot_begin_[a];
-  for (auto p = fine.pattern.begin[a]; p < fine.pattern.begin[a + 1]; ++p) {
-    const float* value =
-        fine.value.data() + Entry::start(fine.quads.place(static_cast<Index>(a), p));
-    const auto b = static_cast<std::size_t>(fine.pattern.column[static_cast<std::size_t>(p)]);
-    for (auto q = begin_[b]; q < begin_[b + 1]; ++q, ++slot)
-      add<Entry>(blocks[*slot], weight_[static_cast<std::size_t>(q)], value);
+void Galerkin::multiply(const Level<Block>& fine, Level<Block>& coarse) const {
+  deform::parallel_blocks(coarse_.nodes, kRows, [&](Index first, Index size) {
+    for (Index c = first; c < first + size; ++c) make_row(fine, c, coarse);
+  });
+}
+
+void Galerkin::make_row(const Level<Block>& fine, Index c, Level<Block>& coarse) const {
+  // Kept by each thread from call to call: no allocation once it is large enough.
+  thread_local std::vector<Sum<Block>> t;
+  const Plan& plan = plan_of(c);
+  t.assign(plan.slots, {});
+  const std::uint16_t* slot = plan.slot.data();
+  for (std::size_t i = 0; i < plan.size.size(); ++i) {
+    const std::int32_t a = transposed_.entry(c, i).column;
+    const std::int32_t begin = fine.pattern.begin[static_cast<std::size_t>(a)];
+    for (std::int32_t k = 0; k < plan.size[i]; ++k)
+      add<Block>(t[*slot++], plan.weight[i],
+                 fine.value.data() + Block::start(fine.quads.place(a, begin + k)));
+  }
+  const Share* share = plan.shares.data();
+  std::int32_t p = coarse_.begin[static_cast<std::size_t>(c)];
+  for (const std::uint16_t end : plan.end) {
+    Sum<Block> entry{};
+    for (; share != plan.shares.data() + end; ++share)
+      add<Block>(entry, share->weight, t[share->from]);
+    store(entry, coarse.value.data() + Block::start(coarse.quads.place(c, p++)));
   }
 }
 
-template <class Entry>
-void Galerkin::multiply(const Level<Entry>& fine, Level<Entry>& coarse) const {
-  deform::parallel_blocks(static_cast<Index>(strips_.size()), 1, [&](Index number, Index /*one*/) {
-    const Strip& strip = strips_[static_cast<std::size_t>(number)];
-    // Kept by each thread from call to call: no allocation once it is large enough.
-    thread_local std::vector<Sum<Entry>> products, row;
-    thread_local std::vector<std::size_t> begin;
-    begin.assign(1, 0);
-    for (const std::int32_t a : strip.rows)
-      begin.push_back(begin.back() +
-                      static_cast<std::size_t>(product_begin_[static_cast<std::size_t>(a) + 1] -
-                                               product_begin_[static_cast<std::size_t>(a)]));
-    products.resize(begin.back());
-    for (std::size_t i = 0; i < strip.rows.size(); ++i)
-      make_row(fine, static_cast<std::size_t>(strip.rows[i]), products.data() + begin[i]);
-    for (Index c = strip.first; c < strip.first + strip.size; ++c) {
-      const auto i = static_cast<std::size_t>(c);
-      row.assign(static_cast<std::size_t>(coarse_.begin[i + 1] - coarse_.begin[i]), {});
-      const std::uint16_t* slot = coarse_slot_.data() + coarse_slot_begin_[i];
-      for (auto t = static_cast<std::size_t>(t_begin_[i]);
-           t < static_cast<std::size_t>(t_begin_[i + 1]); ++t) {
-        const auto local = static_cast<std::size_t>(local_[t]);
-        for (std::size_t k = begin[local]; k < begin[local + 1]; ++k, ++slot)
-          add<Entry>(row[*slot], t_weight_[t], products[k]);
+void Galerkin::multiply(const Level<Scalar>& fine, Level<Scalar>& coarse) const {
+  deform::parallel_blocks(coarse_.nodes, kRows, [&](Index first, Index size) {
+    for (Index c = first; c < first + size; c += kQuad) {
+      const bool is_whole = c + kQuad <= coarse_.nodes;
+      const auto plan = plan_.begin() + c;
+      if (is_whole && std::all_of(plan, plan + kQuad, [&](auto other) { return other == *plan; })) {
+        make_rows(fine, {c, c + 1, c + 2, c + 3}, coarse);
+      } else {
+        for (Index row = c; row < std::min(c + kQuad, coarse_.nodes); ++row)
+          make_rows(fine, {row, row, row, row}, coarse);
       }
-      for (std::size_t k = 0; k < row.size(); ++k)
-        store(row[k],
-              coarse.value.data() + Entry::start(coarse.quads.place(
-                                        c, coarse_.begin[i] + static_cast<std::int32_t>(k))));
     }
   });
 }
 
-template void Galerkin::multiply(const Level<Block>&, Level<Block>&) const;
-template void Galerkin::multiply(const Level<Scalar>&, Level<Scalar>&) const;
+/// Four rows of one plan at once, each in a lane.
+void Galerkin::make_rows(const Level<Scalar>& fine, const std::array<Index, kQuad>& c,
+                         Level<Scalar>& coarse) const {
+  thread_local std::vector<Lanes> t;
+  const Plan& plan = plan_of(c[0]);
+  t.assign(plan.slots, {});
+  const float* const value = fine.value.data();
+  const std::uint16_t* slot = plan.slot.data();
+  Lanes* const to = t.data();
+  for (std::size_t i = 0; i < plan.size.size(); ++i) {
+    const std::int32_t size = plan.size[i];
+    const float weight = plan.weight[i];
+    std::array<std::int32_t, kQuad> a{}, start{};
+    for (std::size_t lane = 0; lane < kQuad; ++lane) {
+      a[lane] = transposed_.entry(c[lane], i).column;
+      start[lane] = start_[static_cast<std::size_t>(a[lane])];
+    }
+    if (std::ranges::min(start) >= 0) {
+      add_entries(weight, {value + start[0], value + start[1], value + start[2], value + start[3]},
+                  slot, size, to);
+    } else {
+      for (std::int32_t k = 0; k < size; ++k) {
+        Lanes entries;
+        for (std::size_t lane = 0; lane < kQuad; ++lane)
+          entries.set(static_cast<int>(lane),
+                      value[fine.quads.place(
+                          a[lane], fine.pattern.begin[static_cast<std::size_t>(a[lane])] + k)]);
+        to[slot[k]] += weight * entries;
+      }
+    }
+    slot += size;
+  }
+  const Share* share = plan.shares.data();
+  for (std::size_t k = 0; k < plan.end.size(); ++k) {
+    Lanes entries;
+    for (const Share* const end = plan.shares.data() + plan.end[k]; share != end; ++share)
+      entries += share->weight * to[share->from];
+    for (std::size_t lane = 0; lane < kQuad; ++lane)
+      coarse.value[static_cast<std::size_t>(coarse.quads.place(
+          c[lane], coarse_.begin[static_cast<std::size_t>(c[lane])] +
+                       static_cast<std::int32_t>(k)))] = entries[static_cast<int>(lane)];
+  }
+}
 
 }  // namespace multigrid

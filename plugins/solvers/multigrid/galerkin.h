@@ -1,62 +1,69 @@
 /// Coarser matrices by Galerkin's product PᵀAP.
 #pragma once
 
+#include <array>
+#include <compare>
 #include <vector>
 
 #include <deform/surface/prolongation.h>
 
+#include "alike_rows.h"
 #include "level.h"
 
 namespace multigrid {
 
-/// PᵀAP for one P and one pattern of A: where each product goes is found once. Coarse rows are made
-/// in strips, each from the rows of AP that it needs, kept in a buffer of its own; two strips may
-/// make the same row of AP.
+/// PᵀAP for one P and one pattern of A. Each coarse row is made by itself: its row of T = PᵀA, then
+/// that times P. Where the products go is found once, and shared by the rows that are alike.
 class Galerkin {
  public:
-  Galerkin(const Pattern& fine, const deform::Prolongation& p);
+  Galerkin(const Level<Block>& fine, const deform::Prolongation& p);
+  Galerkin(const Level<Scalar>& fine, const deform::Prolongation& p);
 
   [[nodiscard]] const Pattern& coarse() const { return coarse_; }
   /// The values of PᵀAP; `fine` without its held rows and columns, so that P needs to know of none.
-  template <class Entry>
-  void multiply(const Level<Entry>& fine, Level<Entry>& coarse) const;
+  void multiply(const Level<Block>& fine, Level<Block>& coarse) const;
+  void multiply(const Level<Scalar>& fine, Level<Scalar>& coarse) const;
   /// f of the coarse level from the residual r: Pᵀ r.
   void restrict_to(const LaneVector& r, LaneVector& f) const;
-  /// x_a + (P x)_a.
+  /// (P x)_a.
   [[nodiscard]] Lanes prolonged(Index a, const LaneVector& coarse) const {
-    Lanes sum;
-    for (auto q = begin_[static_cast<std::size_t>(a)]; q < begin_[static_cast<std::size_t>(a) + 1];
-         ++q)
-      sum += weight_[static_cast<std::size_t>(q)] * coarse.node(node_[static_cast<std::size_t>(q)]);
-    return sum;
+    return p_.product(a, coarse);
   }
-  /// The coarse node that a fine one is, or −1.
+  /// The coarse node at a fine one, or −1.
   [[nodiscard]] std::int32_t same(Index fine) const;
 
  private:
-  struct Strip {
-    Index first = 0, size = 0;       // coarse rows
-    std::vector<std::int32_t> rows;  // of AP, ascending
+  /// An entry of T's row, and the weight with which it is part of one of the coarse row.
+  struct Share {
+    std::uint16_t from = 0;
+    float weight = 0;
+    auto operator<=>(const Share&) const = default;
   };
-  void transpose(Index coarse);
-  void make_product(const Pattern& fine);
-  void make_coarse();
-  void make_strips();
-  template <class Entry>
-  void make_row(const Level<Entry>& fine, std::size_t row, Sum<Entry>* blocks) const;
+  /// Where the products of a coarse row go.
+  struct Plan {
+    std::vector<std::uint16_t> slot;  // in T's row, of each entry of each fine row
+    std::vector<std::uint16_t> size;  // entries of each fine row
+    std::vector<float> weight;        // of each fine row
+    std::uint16_t slots = 0;          // of T's row
+    std::vector<std::uint16_t> end;   // in `shares`, of each entry of the coarse row
+    std::vector<Share> shares;
+    auto operator<=>(const Plan&) const = default;
+  };
+  class Planner;
 
-  std::vector<std::int32_t> begin_, node_;  // P by rows
-  std::vector<float> weight_;
-  std::vector<std::int32_t> t_begin_, t_node_;  // Pᵀ by rows …
-  std::vector<float> t_weight_;
-  std::vector<std::int32_t> product_begin_, product_column_;  // pattern of AP
-  std::vector<std::size_t> slot_begin_;                       // of a fine row …
-  std::vector<std::uint16_t> slot_;  // … places in its row of AP, of each entry of A and of P
+  void plan(const Pattern& fine, const Quads& quads);
+  [[nodiscard]] const Plan& plan_of(Index c) const {
+    return plans_[static_cast<std::size_t>(plan_[static_cast<std::size_t>(c)])];
+  }
+  void make_row(const Level<Block>& fine, Index c, Level<Block>& coarse) const;
+  void make_rows(const Level<Scalar>& fine, const std::array<Index, kQuad>& c,
+                 Level<Scalar>& coarse) const;
+
+  AlikeRows p_, transposed_;
   Pattern coarse_;
-  std::vector<std::size_t> coarse_slot_begin_;  // of a coarse row …
-  std::vector<std::uint16_t> coarse_slot_;      // … places in it, of each entry of Pᵀ and of AP
-  std::vector<std::int32_t> local_;             // place among a strip's rows, of each entry of Pᵀ
-  std::vector<Strip> strips_;
+  std::vector<std::int32_t> start_;  // of each fine row's places if they are in a row, or −1
+  std::vector<Plan> plans_;
+  std::vector<std::int32_t> plan_;  // of each coarse row
 };
 
 }  // namespace multigrid

@@ -10,12 +10,10 @@
 namespace multigrid {
 namespace {
 
-/// The lanes of a quad of nodes in single precision, of two nodes in double precision, and a number
-/// of each row.
+/// The lanes of a quad of nodes in single precision, and of two nodes in double precision.
 using Quad [[gnu::vector_size(64)]] = float;
 using Pair [[gnu::vector_size(64)]] = double;
-using Four [[gnu::vector_size(16)]] = float;
-using Two [[gnu::vector_size(16)]] = double;
+using HalfQuad [[gnu::vector_size(32)]] = float;
 
 template <class Vector, class Number>
 [[gnu::always_inline]] inline Vector load(const Number* from) {
@@ -28,12 +26,17 @@ template <class Vector, class Number>
   std::memcpy(to, &v, sizeof v);
 }
 
-/// Each row's number in all of its lanes.
-[[gnu::always_inline]] inline Quad spread(const Four& v) {
+/// The first four numbers, or the two from the first or third on, each in all lanes of its node.
+/// The whole vector has been loaded (kOverrun): a compiler makes a wide vector of a narrow one by
+/// way of memory, which waits for what has just been stored.
+[[gnu::always_inline]] inline Quad spread(const Quad& v) {
   return __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3);
 }
-[[gnu::always_inline]] inline Pair spread(const Two& v) {
+[[gnu::always_inline]] inline Pair spread_low(const Pair& v) {
   return __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1);
+}
+[[gnu::always_inline]] inline Pair spread_high(const Pair& v) {
+  return __builtin_shufflevector(v, v, 2, 2, 2, 2, 3, 3, 3, 3);
 }
 [[gnu::always_inline]] inline Quad first_lanes(const Quad& v) {
   return __builtin_shufflevector(v, v, 0, 0, 0, 0, 4, 4, 4, 4, 8, 8, 8, 8, 12, 12, 12, 12);
@@ -72,7 +75,7 @@ struct Gathered {
 struct ScalarEntry {
   static constexpr Index kNumbers = 4;
   [[gnu::always_inline]] static Quad times(const float* v, const Quad& x) {
-    return spread(load<Four>(v)) * x;
+    return spread(load<Quad>(v)) * x;
   }
 };
 struct BlockEntry {
@@ -98,31 +101,38 @@ template <class Entry, class Columns>
   if (e < end) even += Entry::times(value + Entry::kNumbers * e, load<Quad>(y.at(e)));
   store(even + odd, out);
 }
+[[gnu::always_inline]] inline Pair two_nodes(const double* lanes) { return load<Pair>(lanes); }
+[[gnu::always_inline]] inline Pair two_nodes(const float* lanes) {
+  return __builtin_convertvector(load<HalfQuad>(lanes), Pair);
+}
 template <class Entry, class Columns>
 [[gnu::always_inline]] inline void sum_entries(const Columns& y, const double* value,
                                                std::int32_t first, std::int32_t end, double* out) {
   Pair low{}, high{};
   for (std::int32_t e = first; e < end; ++e) {
-    const double* v = value + Entry::kNumbers * e;
-    const double* lanes = y.at(e);
-    low += spread(load<Two>(v)) * load<Pair>(lanes);
-    high += spread(load<Two>(v + 2)) * load<Pair>(lanes + 8);
+    const Pair v = load<Pair>(value + Entry::kNumbers * e);
+    const auto* lanes = y.at(e);
+    low += spread_low(v) * two_nodes(lanes);
+    high += spread_high(v) * two_nodes(lanes + 8);
   }
   store(low, out);
   store(high, out + 8);
 }
 
-template <class Entry, class Number>
-[[gnu::always_inline]] inline void multiply(const Quads::View& rows, const Number* value,
-                                            const Number* y, Index first, Index end, Number* out) {
-  for (Index q = first; q < end; ++q) {
-    const std::int32_t begin = rows.begin[q], stop = rows.begin[q + 1];
-    if (rows.gather[q] < 0)
-      sum_entries<Entry>(InSequence<Number>{y, rows.column}, value, begin, stop, out + 16 * q);
-    else
-      sum_entries<Entry>(Gathered<Number>{y, rows.gathered + rows.gather[q], begin, {}}, value,
-                         begin, stop, out + 16 * q);
-  }
+template <class Entry, class Value, class Number, class Sum>
+[[gnu::always_inline]] inline void multiply_quad(const Quads::View& rows, const Value* value,
+                                                 const Number* y, Index q, Sum* out) {
+  const std::int32_t begin = rows.begin[q], end = rows.begin[q + 1];
+  if (rows.gather[q] < 0)
+    sum_entries<Entry>(InSequence<Number>{y, rows.column}, value, begin, end, out);
+  else
+    sum_entries<Entry>(Gathered<Number>{y, rows.gathered + rows.gather[q], begin, {}}, value, begin,
+                       end, out);
+}
+template <class Entry>
+[[gnu::always_inline]] inline void multiply(const Quads::View& rows, const float* value,
+                                            const float* y, Index first, Index end, float* out) {
+  for (Index q = first; q < end; ++q) multiply_quad<Entry>(rows, value, y, q, out + 16 * q);
 }
 
 /// The inverse of the diagonal is an entry a quad.
@@ -154,13 +164,26 @@ DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const float* value,
                                     Index first, Index end, float* out) {
   multiply<ScalarEntry>(rows, value, y, first, end, out);
 }
-DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const double* value, const double* y,
-                                    Index first, Index end, double* out) {
-  multiply<ScalarEntry>(rows, value, y, first, end, out);
-}
 DEFORM_KERNEL void multiply_blocks(const Quads::View& rows, const float* value, const float* y,
                                    Index first, Index end, float* out) {
   multiply<BlockEntry>(rows, value, y, first, end, out);
+}
+
+DEFORM_KERNEL void multiply_scalars(const Quads::View& rows, const double* value, const float* y,
+                                    Index first, Index end, float* out) {
+  for (Index q = first; q < end; ++q) {
+    double product[16];
+    multiply_quad<ScalarEntry>(rows, value, y, q, product);
+    for (Index i = 0; i < 16; ++i) out[16 * q + i] = static_cast<float>(product[i]);
+  }
+}
+DEFORM_KERNEL void find_residual(const Quads::View& rows, const double* value, const double* x,
+                                 const double* b, Index first, Index end, float* r) {
+  for (Index q = first; q < end; ++q) {
+    double product[16];
+    multiply_quad<ScalarEntry>(rows, value, x, q, product);
+    for (Index i = 0; i < 16; ++i) r[16 * q + i] = static_cast<float>(b[16 * q + i] - product[i]);
+  }
 }
 
 DEFORM_KERNEL void smooth_scalars(const Smoothing& s, Index first, Index end, float* next) {
@@ -171,13 +194,12 @@ DEFORM_KERNEL void smooth_blocks(const Smoothing& s, Index first, Index end, flo
 }
 
 DEFORM_KERNEL double dot(const float* a, const float* b, Index first, Index end) {
-  using Half [[gnu::vector_size(32)]] = float;
   Pair low{}, high{};
   for (const float *x = a + 16 * first, *y = b + 16 * first; x < a + 16 * end; x += 16, y += 16) {
-    low +=
-        __builtin_convertvector(load<Half>(x), Pair) * __builtin_convertvector(load<Half>(y), Pair);
-    high += __builtin_convertvector(load<Half>(x + 8), Pair) *
-            __builtin_convertvector(load<Half>(y + 8), Pair);
+    low += __builtin_convertvector(load<HalfQuad>(x), Pair) *
+           __builtin_convertvector(load<HalfQuad>(y), Pair);
+    high += __builtin_convertvector(load<HalfQuad>(x + 8), Pair) *
+            __builtin_convertvector(load<HalfQuad>(y + 8), Pair);
   }
   return sum_of(low, high);
 }
@@ -194,22 +216,12 @@ DEFORM_KERNEL double dot(const double* a, const double* b, Index first, Index en
 DEFORM_KERNEL void add(float factor, const float* from, Index first, Index end, float* to) {
   for (Index i = 16 * first; i < 16 * end; ++i) to[i] += factor * from[i];
 }
-DEFORM_KERNEL void add(double factor, const double* from, Index first, Index end, double* to) {
-  for (Index i = 16 * first; i < 16 * end; ++i) to[i] += factor * from[i];
+DEFORM_KERNEL void add(float factor, const float* from, Index first, Index end, double* to) {
+  for (Index i = 16 * first; i < 16 * end; ++i)
+    to[i] += static_cast<double>(factor) * static_cast<double>(from[i]);
 }
 DEFORM_KERNEL void scale_and_add(float factor, const float* from, Index first, Index end,
                                  float* to) {
   for (Index i = 16 * first; i < 16 * end; ++i) to[i] = from[i] + factor * to[i];
 }
-DEFORM_KERNEL void scale_and_add(double factor, const double* from, Index first, Index end,
-                                 double* to) {
-  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = from[i] + factor * to[i];
-}
-DEFORM_KERNEL void convert(const double* from, Index first, Index end, float* to) {
-  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = static_cast<float>(from[i]);
-}
-DEFORM_KERNEL void convert(const float* from, Index first, Index end, double* to) {
-  for (Index i = 16 * first; i < 16 * end; ++i) to[i] = static_cast<double>(from[i]);
-}
-
 }  // namespace multigrid

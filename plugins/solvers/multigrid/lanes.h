@@ -29,6 +29,7 @@ struct Lanes {
   }
   friend Lanes operator+(Lanes a, const Lanes& b) { return a += b; }
   friend Lanes operator*(const Lanes& a, const Lanes& b) { return {a.v * b.v}; }
+  friend Lanes magnitude(const Lanes& a) { return {a.v < 0 ? -a.v : a.v}; }
   friend Lanes operator*(float s, const Lanes& a) { return {s * a.v}; }
 };
 

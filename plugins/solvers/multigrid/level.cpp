@@ -1,13 +1,14 @@
 #include "level.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace multigrid {
 namespace {
 
 const Lanes kAll{{1, 1, 1, 0}};
 
+/// ω λ for a bound of λ.
+constexpr double kDampingOfBound = 1.75;
 /// ω λ: below 2 by more than what so many power iterations may underestimate λ by.
 constexpr double kDampingOfLargest = 1.6;
 constexpr int kPowerIterations = 6;
@@ -45,8 +46,8 @@ void Level<Entry>::prepare(Pattern p, std::vector<Mask> masks) {
   quads = Quads(pattern);
   held = std::move(masks);
   const auto nodes = static_cast<std::size_t>(pattern.nodes);
-  value.assign(quads.places() * Entry::kSize, 0);
-  inverse.assign(padded(pattern.nodes) * Entry::kSize, 0);
+  value.assign(quads.places() * Entry::kSize + kOverrun, 0);
+  inverse.assign(padded(pattern.nodes) * Entry::kSize + kOverrun, 0);
   for (LaneVector* v : {&f, &x, &r, &next_}) v->assign(pattern.nodes);
   diagonal.resize(nodes);
   std::vector<Lanes> factor(nodes, kAll);
@@ -90,11 +91,9 @@ void Level<Entry>::finish() {
 
 template <class Entry>
 double Level<Entry>::product(const LaneVector& a, const LaneVector& b) {
-  parts_.resize(static_cast<std::size_t>((a.quads() + kQuads - 1) / kQuads));
-  deform::parallel_blocks(a.quads(), kQuads, [&](Index first, Index size) {
-    parts_[static_cast<std::size_t>(first / kQuads)] = dot(a.data(), b.data(), first, first + size);
+  return sums_(a.quads(), [&](Index first, Index size) {
+    return dot(a.data(), b.data(), first, first + size);
   });
-  return std::accumulate(parts_.begin(), parts_.end(), 0.0);
 }
 
 /// Power iterations x ← D⁻¹A x; the quotient is xᵀA D⁻¹A x / xᵀA x.
@@ -117,6 +116,25 @@ void Level<Entry>::choose_damping() {
 }
 
 template <class Entry>
+void Level<Entry>::choose_damping_by_rows() requires std::same_as<Entry, Scalar> {
+  const auto quad_bound = [&](std::size_t q) {
+    Lanes sum;
+    const Quads::View rows = quads.view();
+    for (std::int32_t e = rows.begin[q]; e < rows.begin[q + 1]; ++e)
+      sum += magnitude(Lanes::load(value.data() + 4 * static_cast<std::size_t>(e)));
+    const Lanes bound = sum * magnitude(Lanes::load(inverse.data() + 4 * q));
+    return std::max(std::max(bound[0], bound[1]), std::max(bound[2], bound[3]));
+  };
+  largest_.resize(static_cast<std::size_t>(x.quads()));
+  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
+    for (auto q = static_cast<std::size_t>(first); q < static_cast<std::size_t>(first + size); ++q)
+      largest_[q] = quad_bound(q);
+  });
+  const float bound = std::ranges::max(largest_);
+  damping_ = bound > 0 ? static_cast<float>(kDampingOfBound) / bound : 0.65F;
+}
+
+template <class Entry>
 void Level<Entry>::start() {
   deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
     Entry::smooth({inverse.data(), f.data(), damping_}, first, first + size, x.data());
@@ -133,13 +151,27 @@ void Level<Entry>::find_residual() {
 }
 
 template <class Entry>
+void Level<Entry>::smooth_some(Index first, Index size) {
+  multiply(x, first, size, r);
+  Entry::smooth({inverse.data(), f.data(), damping_, x.data(), r.data()}, first, first + size,
+                next_.data());
+}
+
+template <class Entry>
 void Level<Entry>::smooth() {
-  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
-    multiply(x, first, size, r);
-    Entry::smooth({inverse.data(), f.data(), damping_, x.data(), r.data()}, first, first + size,
-                  next_.data());
+  deform::parallel_blocks(x.quads(), kQuads,
+                          [&](Index first, Index size) { smooth_some(first, size); });
+  x.swap(next_);
+}
+
+template <class Entry>
+double Level<Entry>::smooth_and_multiply() {
+  const double sum = sums_(x.quads(), [&](Index first, Index size) {
+    smooth_some(first, size);
+    return dot(f.data(), next_.data(), first, first + size);
   });
   x.swap(next_);
+  return sum;
 }
 
 template struct Level<Block>;

@@ -1,7 +1,9 @@
 /// One level of nodes: the matrix there, products with it, and damped Jacobi steps.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include <deform/parallel.h>
@@ -18,6 +20,23 @@ inline constexpr Index kRows = 256, kQuads = kRows / kQuad;
 struct Mask {
   std::int32_t node = 0;
   Lanes factor;
+};
+
+/// Sums over blocks of quads, taken in an order that does not depend on threads.
+class Sums {
+ public:
+  /// body(first, size): the part of some quads.
+  template <class Body>
+  double operator()(Index quads, const Body& body) {
+    parts_.resize(static_cast<std::size_t>((quads + kQuads - 1) / kQuads));
+    deform::parallel_blocks(quads, kQuads, [&](Index first, Index size) {
+      parts_[static_cast<std::size_t>(first / kQuads)] = body(first, size);
+    });
+    return std::accumulate(parts_.begin(), parts_.end(), 0.0);
+  }
+
+ private:
+  std::vector<double> parts_;
 };
 
 template <class Entry>
@@ -50,8 +69,11 @@ struct Level {
     for (const Mask& m : held) y.set(m.node, m.factor * y.node(m.node));
   }
 
-  /// Chooses ω for steps that smooth, from an estimate of the largest eigenvalue of D⁻¹A.
+  /// Chooses ω for steps that smooth, from an estimate of the largest eigenvalue of D⁻¹A …
   void choose_damping();
+  /// … or from its bound by sums of rows, which takes one pass. Signs that alternate with the
+  /// distance, as those of differences do, make it sharp; coarser matrices have others.
+  void choose_damping_by_rows() requires std::same_as<Entry, Scalar>;
 
   /// x = ω D⁻¹ f.
   void start();
@@ -59,9 +81,12 @@ struct Level {
   void find_residual();
   /// x += ω D⁻¹ (f − A x).
   void smooth();
+  /// The same, and f·x of what becomes of x.
+  [[nodiscard]] double smooth_and_multiply();
+  [[nodiscard]] double product(const LaneVector& a, const LaneVector& b);
 
  private:
-  [[nodiscard]] double product(const LaneVector& a, const LaneVector& b);
+  void smooth_some(Index first, Index size);
 
   struct Cut {
     std::int32_t place = 0;
@@ -69,8 +94,9 @@ struct Level {
   };
   std::vector<Cut> cuts_;  // blocks with held components
   LaneVector next_;
-  float damping_ = 0.65F;  // ω: right for membranes, whose largest eigenvalue is about 2
-  std::vector<double> parts_;
+  std::vector<float> largest_;  // bounds of quads
+  float damping_ = 0.65F;       // ω: right for membranes, whose largest eigenvalue is about 2
+  Sums sums_;
 };
 
 }  // namespace multigrid

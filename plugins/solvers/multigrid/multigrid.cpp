@@ -7,6 +7,9 @@
 namespace {
 using namespace deform;
 
+/// Entries a row of stretching alone: a node and those around it. Bending links nodes beyond.
+constexpr double kOfMembranes = 9;
+
 struct Parameters {
   double tolerance = 1e-9;
   std::int64_t iterations = 100;
@@ -30,7 +33,14 @@ struct Parameters {
 class Multigrid final : public LinearSolver, public BlockSolver {
  public:
   Multigrid(const Parameters& p, const Setup& setup)
-      : p_(p), total_(setup.surface().nodes()), coarsening_(setup.surface().coarsening()) {}
+      : p_(p),
+        total_(setup.surface().nodes()),
+        coarsening_(setup.surface().coarsening()),
+        smooth_coarsening_(setup.surface().smooth_coarsening()) {
+    // Kinks of one level make bending twice as stiff there at most, and the matrix of the largest
+    // coarse level has half as many entries a row.
+    if (!coarsening_.empty()) smooth_coarsening_.front() = coarsening_.front();
+  }
 
   [[nodiscard]] double suitability(const MatrixTraits& traits) const override {
     const bool is_possible = traits.symmetric && traits.positive_definite &&
@@ -43,7 +53,9 @@ class Multigrid final : public LinearSolver, public BlockSolver {
   }
 
   void analyse(const SparseMatrix& a, const MatrixTraits& traits) override {
-    scalar_.emplace(a, traits.nodes, total_, coarsening_);
+    const bool is_bending =
+        static_cast<double>(a.column.size()) > kOfMembranes * static_cast<double>(a.size);
+    scalar_.emplace(a, traits.nodes, total_, is_bending ? smooth_coarsening_ : coarsening_);
   }
   [[nodiscard]] std::string factor(const SparseMatrix& a) override {
     scalar_->factor(a);
@@ -82,7 +94,7 @@ class Multigrid final : public LinearSolver, public BlockSolver {
 
   Parameters p_;
   Index total_;
-  std::vector<Prolongation> coarsening_;
+  std::vector<Prolongation> coarsening_, smooth_coarsening_;
   std::optional<multigrid::ScalarSystem> scalar_;
   std::optional<multigrid::BlockSystem> block_;
 };

@@ -16,6 +16,14 @@ Quads::Quads(const Pattern& pattern) {
     if (!add_in_sequence(pattern, quad)) add_gathered(pattern, quad);
 }
 
+std::int32_t Quads::first_place(const Pattern& pattern, Index a) const {
+  const std::int32_t begin = pattern.begin[static_cast<std::size_t>(a)],
+                     end = pattern.begin[static_cast<std::size_t>(a) + 1];
+  for (std::int32_t p = begin; p < end; ++p)
+    if (place(a, p) != place(a, begin) + 4 * (p - begin)) return -1;
+  return place(a, begin);
+}
+
 /// The distances that any of the four rows has; false where these are too many, or lead beyond the
 /// nodes.
 bool Quads::add_in_sequence(const Pattern& pattern, Index quad) {

@@ -43,6 +43,9 @@ class Quads {
         a % kQuad);
   }
 
+  /// Of the first entry of row a, if those of the others follow by fours, or −1.
+  [[nodiscard]] std::int32_t first_place(const Pattern& pattern, Index a) const;
+
   /// For kernels: entries of quad q are begin[q] … begin[q + 1]; gather[q] is where `gathered`
   /// begins for it, four columns an entry, or −1.
   struct View {

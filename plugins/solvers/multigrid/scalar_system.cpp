@@ -1,7 +1,16 @@
 #include "scalar_system.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace multigrid {
 namespace {
+
+/// Of the residual's norm in the preconditioner, what single precision reduces it to at a time: far
+/// above what it has rounded until then.
+constexpr double kPart = 1e-4;
+/// Part of |b| and of |A| |x| that their difference may be, for its rounding.
+constexpr double kRounding = 1e-15;
 
 /// The pattern among all nodes; those without an unknown have no entry but their diagonal's.
 Pattern pattern_of(const deform::SparseMatrix& a, std::span<const std::int32_t> nodes,
@@ -51,7 +60,7 @@ ScalarSystem::ScalarSystem(const deform::SparseMatrix& pattern, std::span<const 
       place_.push_back(
           level.quads.place(node, level.pattern.begin[static_cast<std::size_t>(node)] + k));
   }
-  value_.assign(level.quads.places(), 0);
+  value_.assign(level.quads.places() + kOverrun, 0);
   b_.assign(total);
   x_.assign(total);
 }
@@ -66,6 +75,11 @@ void ScalarSystem::factor(const deform::SparseMatrix& a) {
       level.value[place] = static_cast<float>(a.value[p]);
     }
   });
+  largest_diagonal_ = 0;
+  for (const std::int32_t node : node_) {
+    const auto place = static_cast<std::size_t>(level.diagonal[static_cast<std::size_t>(node)]);
+    largest_diagonal_ = std::max(largest_diagonal_, value_[place]);
+  }
   cycle_->renew(true);
 }
 
@@ -77,6 +91,7 @@ std::string ScalarSystem::improve(const Eigen::Ref<const Eigen::MatrixXd>& b, do
     x.setZero();
     return "";
   }
+  // In single precision numbers should be neither tiny nor huge.
   const auto each_number = [&](const auto& visit) {
     deform::parallel_blocks(b.rows(), kRows, [&](Index first, Index size) {
       for (Index c = 0; c < b.cols(); ++c)
@@ -88,33 +103,52 @@ std::string ScalarSystem::improve(const Eigen::Ref<const Eigen::MatrixXd>& b, do
     b_(node, c) = b(q, c) / largest;
     x_(node, c) = x(q, c) / largest;
   });
+  std::string reason = improve_nodes(tolerance, most);
+  if (reason.empty())
+    each_number([&](Index q, Index c, Index node) { x(q, c) = largest * x_(node, c); });
+  return reason;
+}
+
+/// The residual is found anew as often as single precision has to reduce it.
+std::string ScalarSystem::improve_nodes(double tolerance, int most) {
+  Goal goal{.part = std::max(tolerance, kPart)};
+  while (iterations_ < most) {
+    if (find_residual_is_rounding()) return "";
+    const bool is_first = iterations_ == 0;
+    const Ending end = correct(goal, most - iterations_);
+    iterations_ += end.iterations;
+    if (end.is_indefinite) return "not positive definite";
+    if (is_first) goal = {.part = kPart, .absolute = tolerance * tolerance * end.first};
+    if (end.has_converged && (end.last <= goal.absolute || end.iterations == 0)) return "";
+  }
+  return std::to_string(iterations_) + " iterations do not reduce the residual enough";
+}
+
+/// The residual becomes the finest level's right-hand side.
+bool ScalarSystem::find_residual_is_rounding() {
   Level<Scalar>& level = cycle_->finest();
-  const Ending end = gradients_.solve(
-      [&](const NodeLanes<double>& y, Index first, Index size, NodeLanes<double>& out) {
+  deform::parallel_blocks(x_.quads(), kQuads, [&](Index first, Index size) {
+    find_residual(level.quads.view(), value_.data(), x_.data(), b_.data(), first, first + size,
+                  level.f.data());
+  });
+  const double rounding = kRounding * (norm(b_) + largest_diagonal_ * norm(x_));
+  return level.product(level.f, level.f) <= rounding * rounding;
+}
+
+Ending ScalarSystem::correct(Goal goal, int most) {
+  Level<Scalar>& level = cycle_->finest();
+  return gradients_.solve(
+      [&](const LaneVector& y, Index first, Index size, LaneVector& out) {
         multiply_scalars(level.quads.view(), value_.data(), y.data(), first, first + size,
                          out.data());
       },
-      [&](const NodeLanes<double>& r, NodeLanes<double>& z) { precondition(r, z); }, b_, x_,
-      tolerance, most, x.isZero(0) ? From::zero : From::guess);
-  iterations_ = end.iterations;
-  if (end.is_indefinite) return "not positive definite";
-  if (!end.has_converged)
-    return std::to_string(end.iterations) + " iterations do not reduce the residual enough";
-  each_number([&](Index q, Index c, Index node) { x(q, c) = largest * x_(node, c); });
-  return "";
+      [&] { return cycle_->run(); }, level.f, level.x, x_, goal, most);
 }
 
-/// One cycle, in single precision.
-void ScalarSystem::precondition(const NodeLanes<double>& r, NodeLanes<double>& z) {
-  Level<Scalar>& level = cycle_->finest();
-  z.resize(r.quads());
-  const auto each = [&](const auto& convert_some) {
-    deform::parallel_blocks(r.quads(), kQuads,
-                            [&](Index first, Index size) { convert_some(first, first + size); });
-  };
-  each([&](Index first, Index end) { convert(r.data(), first, end, level.f.data()); });
-  cycle_->run();
-  each([&](Index first, Index end) { convert(level.x.data(), first, end, z.data()); });
+double ScalarSystem::norm(const NodeLanes<double>& y) {
+  return std::sqrt(sums_(y.quads(), [&](Index first, Index size) {
+    return dot(y.data(), y.data(), first, first + size);
+  }));
 }
 
 }  // namespace multigrid

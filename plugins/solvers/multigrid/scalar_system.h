@@ -12,7 +12,8 @@
 
 namespace multigrid {
 
-/// Conjugate gradients in double precision; only the preconditioner is in single.
+/// Matrix and solution are in double precision; corrections, and what preconditions them, in
+/// single.
 class ScalarSystem {
  public:
   /// `nodes`: of each unknown; `total`: of the surface.
@@ -26,14 +27,19 @@ class ScalarSystem {
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
-  void precondition(const NodeLanes<double>& r, NodeLanes<double>& z);
+  [[nodiscard]] std::string improve_nodes(double tolerance, int most);
+  [[nodiscard]] bool find_residual_is_rounding();
+  [[nodiscard]] Ending correct(Goal goal, int most);
+  [[nodiscard]] double norm(const NodeLanes<double>& y);
 
   std::vector<std::int32_t> node_;   // of an unknown
   std::vector<std::int32_t> place_;  // of each entry, in the finest level's matrix …
   std::vector<double> value_;        // … and in this one, of the last factor
   std::optional<Cycle<Scalar>> cycle_;
-  ConjugateGradients<double> gradients_;
+  double largest_diagonal_ = 0;
+  ConjugateGradients gradients_;
   NodeLanes<double> b_, x_;
+  Sums sums_;
   int iterations_ = 0;
 };
 

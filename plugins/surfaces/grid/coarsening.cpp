@@ -63,6 +63,28 @@ std::vector<Shares> make_coarser(Places& line) {
   return rows;
 }
 
+/// Rows of places that are kept get a part of their neighbours, by which the linear rows become
+/// those of cubic B-splines: 1/8, 6/8, 1/8. Linear functions are kept where distances differ, and
+/// the ends of open lines stay what they are.
+void make_smooth(std::vector<Shares>& rows, const Places& coarse) {
+  constexpr double kOfNeighbours = 0.25;
+  const auto n = static_cast<Index>(coarse.at.size());
+  const auto distance = [&](Index from, Index to) {  // upwards
+    const double d =
+        coarse.at[static_cast<std::size_t>(to)] - coarse.at[static_cast<std::size_t>(from)];
+    return d > 0 ? d : d + coarse.period;
+  };
+  for (Shares& row : rows) {
+    if (row.size() > 1) continue;
+    const Index i = row.front().first;
+    if (coarse.period == 0 && (i == 0 || i == n - 1)) continue;
+    const Index before = (i + n - 1) % n, after = (i + 1) % n;
+    const double below = distance(before, i), above = distance(i, after);
+    const double part = kOfNeighbours / (below + above);
+    row = {{before, part * above}, {i, 1 - kOfNeighbours}, {after, part * below}};
+  }
+}
+
 /// All pairs of weights, coarse nodes ascending.
 deform::Prolongation product(const std::vector<Shares>& along_1, const std::vector<Shares>& along_2,
                              Index n_1, Index n_2) {
@@ -85,7 +107,7 @@ deform::Prolongation product(const std::vector<Shares>& along_1, const std::vect
 
 }  // namespace
 
-std::vector<deform::Prolongation> coarsening(const Lattice& lattice) {
+std::vector<deform::Prolongation> coarsening(const Lattice& lattice, Interpolation interpolation) {
   std::vector<deform::Prolongation> all;
   std::array<Places, 2> line{places(lattice, 0), places(lattice, 1)};
   while (line[0].may_be_coarser() || line[1].may_be_coarser()) {
@@ -96,6 +118,7 @@ std::vector<deform::Prolongation> coarsening(const Lattice& lattice) {
     for (const std::size_t k : {std::size_t{0}, std::size_t{1}}) {
       const bool is_close = line[k].may_be_coarser() && line[k].spacing() <= kAlike * closest;
       rows[k] = is_close ? make_coarser(line[k]) : unchanged(line[k]);
+      if (is_close && interpolation == Interpolation::smooth) make_smooth(rows[k], line[k]);
     }
     all.push_back(product(rows[0], rows[1], static_cast<Index>(line[0].at.size()),
                           static_cast<Index>(line[1].at.size())));

@@ -119,7 +119,10 @@ class Grid final : public Surface {
     return grid::edge(lattice_, name);
   }
   [[nodiscard]] std::vector<Prolongation> coarsening() const override {
-    return grid::coarsening(lattice_);
+    return grid::coarsening(lattice_, grid::Interpolation::linear);
+  }
+  [[nodiscard]] std::vector<Prolongation> smooth_coarsening() const override {
+    return grid::coarsening(lattice_, grid::Interpolation::smooth);
   }
 
  private:

@@ -66,6 +66,8 @@ class DEFORM_API Surface : public Plugin {
   /// Fewer and fewer nodes for multigrid, from fine to coarse, each with a quarter to a half of
   /// those before, down to a few dozen; empty where the surface has none.
   [[nodiscard]] virtual std::vector<Prolongation> coarsening() const { return {}; }
+  /// The same with smoother interpolation, for matrices of bending.
+  [[nodiscard]] virtual std::vector<Prolongation> smooth_coarsening() const { return coarsening(); }
 
   /// What to change in a scene for the same surface with nodes twice as close: pointers below the
   /// surface ("/nodes") and JSON values. Empty where the surface cannot say.

@@ -1,0 +1,59 @@
+/// Matrices by rows of which many are alike, as those of interpolations on grids are.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "lanes.h"
+
+namespace multigrid {
+
+/// Rows whose columns lie equally far from the first, with the same weights, share these: what is
+/// left of a row is a few bytes.
+class AlikeRows {
+ public:
+  struct Entry {
+    std::int32_t column = 0;
+    float weight = 0;
+  };
+
+  void add(std::span<const Entry> row);
+  [[nodiscard]] Index rows() const { return static_cast<Index>(first_.size()); }
+  [[nodiscard]] std::size_t size(Index row) const {
+    const Kind kind = kind_[static_cast<std::size_t>(row)];
+    return kind.end - kind.begin;
+  }
+  [[nodiscard]] Entry entry(Index row, std::size_t k) const {
+    const auto r = static_cast<std::size_t>(row);
+    const Entry& shared = shared_[kind_[r].begin + k];
+    return {first_[r] + shared.column, shared.weight};
+  }
+  /// The row's product with a vector of nodes.
+  [[nodiscard]] Lanes product(Index row, const LaneVector& x) const {
+    const auto r = static_cast<std::size_t>(row);
+    const float* from = x.data() + 4 * static_cast<std::size_t>(first_[r]);
+    Lanes sum;
+    for (std::size_t k = kind_[r].begin; k < kind_[r].end; ++k)
+      sum += shared_[k].weight * Lanes::load(from + std::ptrdiff_t{4} * shared_[k].column);
+    return sum;
+  }
+  /// Whether the weights are those of another row and the columns by as much further as the first.
+  [[nodiscard]] bool are_alike(Index row, Index other) const {
+    return kind_[static_cast<std::size_t>(row)].begin ==
+           kind_[static_cast<std::size_t>(other)].begin;
+  }
+
+ private:
+  struct Kind {
+    std::uint32_t begin = 0, end = 0;  // in shared_
+  };
+  std::vector<std::int32_t> first_;  // column of each row
+  std::vector<Kind> kind_;
+  std::vector<Entry> shared_;  // columns less the first
+  std::map<std::vector<std::pair<std::int32_t, float>>, Kind> kinds_;
+};
+
+}  // namespace multigrid
