@@ -49,9 +49,9 @@ struct CurvatureJet {
   Components B_origin;
 };
 void add_curvature_stress(Index size, const CurvatureJet& of,
-                          const std::array<std::array<double*, 3>, 5>& sigma);
+                          const std::array<std::array<double*, 3>, 5>& to);
 
-/// out += (m_1 r_1 (C_11, C_12) + m_2 r_2 (C_21, C_22)) (n_1 r_1, n_2 r_2)ᵀ + K I, a 3 × 3 block at
+/// to += (m_1 r_1 (C_11, C_12) + m_2 r_2 (C_21, C_22)) (n_1 r_1, n_2 r_2)ᵀ + K I, a 3 × 3 block at
 /// each sample, C and K one number there.
 struct MetricBlock {
   Components r_1, r_2;
@@ -59,25 +59,25 @@ struct MetricBlock {
   std::array<double, 2> m, n;
   const double* K;  ///< null: 0
 };
-void add_block(Index size, const MetricBlock& of, const EntriesOut& out);
+void add_block(Index size, const MetricBlock& of, const EntriesOut& to);
 
-/// out += c n nᵀ.
-void add_normal_block(Index size, const double* c, const Components& n, const EntriesOut& out);
-/// out += c n nᵀ − λ n uᵀ.
+/// to += c n nᵀ.
+void add_normal_block(Index size, const double* c, const Components& n, const EntriesOut& to);
+/// to += c n nᵀ − λ n uᵀ.
 struct MixedBlock {
   Components n;
   const double* c;
   const double* lambda;
   Components u;
 };
-void add_block(Index size, const MixedBlock& of, const EntriesOut& out);
-/// out += (c + b g) n nᵀ − λ n uᵀ − μ v nᵀ.
+void add_block(Index size, const MixedBlock& of, const EntriesOut& to);
+/// to += (c + b g) n nᵀ − λ n uᵀ − μ v nᵀ.
 struct TangentialBlock {
   MixedBlock mixed;
   const double *b, *g;
   const double* mu;
   Components v;
 };
-void add_block(Index size, const TangentialBlock& of, const EntriesOut& out);
+void add_block(Index size, const TangentialBlock& of, const EntriesOut& to);
 
 }  // namespace deform
