@@ -58,7 +58,7 @@ void write_framed_normals(const SampleSet& samples, const NodeVectors& r, double
 
 /// Fields that Detail::first leaves out, [begin, end).
 constexpr std::array<std::array<int, 2>, 3> kSecondFields{
-    {{6, GeometryBlock::kNormal},
+    {{3 * (kSecond.begin - 1), GeometryBlock::kNormal},
      {GeometryBlock::kCurvature, GeometryBlock::kReciprocal},
      {GeometryBlock::kChristoffel, GeometryBlock::kAreaElement}}};
 

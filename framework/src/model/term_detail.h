@@ -1,3 +1,4 @@
+/// How much of a state's geometry an energy term on jets reads.
 #pragma once
 
 #include "deform/model/energy_term.h"
