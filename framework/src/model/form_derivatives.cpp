@@ -45,7 +45,7 @@ struct SecondDerivatives {
     for (int k = 0; k < 2; ++k)
       find_dual(g.size(), {reciprocal(g, k, 0), reciprocal(g, k, 1)}, components(r_1),
                 components(r_2), writable(dual[static_cast<std::size_t>(k)]));
-    negated_product(g.size(), components(M), curvature(g), minus_MB.data());
+    negated_product(g.size(), curvature(g), components(M), minus_MB.data());
   }
   CurvatureStress lambda;
   std::array<BlockTensor, 2> dual;  // r^1, r^2
@@ -87,8 +87,7 @@ CurvatureStress::CurvatureStress(const GeometryBlock& geometry, const BlockTenso
   for (int m = 0; m < kJet; ++m) {
     const auto at = static_cast<std::size_t>(m);
     if (m < 2)
-      combine_with_gamma(geometry.size(), gamma(geometry, m), components(M),
-                         tangential_[at].data());
+      negated_product(geometry.size(), gamma(geometry, m), components(M), tangential_[at].data());
     lambda_[at] = m < 2 ? tangential_[at].data() : M[at - 2].data();
   }
 }
@@ -101,8 +100,8 @@ CurvatureStiffness::CurvatureStiffness(const GeometryBlock& geometry, const Form
     for (std::size_t k = m; k < kJet; ++k) {
       if (k < 2) {
         BlockValues& out = tangential_[m + k];
-        combine_with_gamma(size, gamma(geometry, static_cast<int>(k)), components(mixed_[m]),
-                           out.data());
+        negated_product(size, gamma(geometry, static_cast<int>(k)), components(mixed_[m]),
+                        out.data());
         c_[m][k] = out.data();
       } else {
         c_[m][k] = m < 2 ? mixed_[m][k - 2].data() : C.values(kPairs[m - 2], kPairs[k - 2]);

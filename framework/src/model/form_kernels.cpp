@@ -21,20 +21,20 @@ DEFORM_KERNEL void multiply_tensor(Index size, const Symmetric& C, const Compone
   }
 }
 
-DEFORM_KERNEL void combine_with_gamma(Index size, const Components& gamma, const Components& M,
-                                      double* lambda) {
-  const double *g_11 = gamma[0], *g_12 = gamma[1], *g_22 = gamma[2];
+DEFORM_KERNEL void negated_product(Index size, const Components& X, const Components& M,
+                                   double* out) {
+  const double *X_11 = X[0], *X_12 = X[1], *X_22 = X[2];
   const double *M_11 = M[0], *M_12 = M[1], *M_22 = M[2];
   DEFORM_SAMPLES
   for (Index s = 0; s < size; ++s)
-    lambda[s] = -(g_11[s] * M_11[s] + g_12[s] * M_12[s] + g_22[s] * M_22[s]);
+    out[s] = -(X_11[s] * M_11[s] + X_12[s] * M_12[s] + X_22[s] * M_22[s]);
 }
 
 void multiply_gamma(Index size, const Components& gamma, const Symmetric& C,
                     const std::array<double*, 3>& out) {
-  combine_with_gamma(size, gamma, {C[0], C[1], C[2]}, out[0]);
-  combine_with_gamma(size, gamma, {C[1], C[3], C[4]}, out[1]);
-  combine_with_gamma(size, gamma, {C[2], C[4], C[5]}, out[2]);
+  negated_product(size, gamma, {C[0], C[1], C[2]}, out[0]);
+  negated_product(size, gamma, {C[1], C[3], C[4]}, out[1]);
+  negated_product(size, gamma, {C[2], C[4], C[5]}, out[2]);
 }
 
 DEFORM_KERNEL void find_dual(Index size, const std::array<const double*, 2>& reciprocal,
@@ -50,15 +50,6 @@ DEFORM_KERNEL void find_dual(Index size, const std::array<const double*, 2>& rec
     y[s] = g_1[s] * y_1[s] + g_2[s] * y_2[s];
     z[s] = g_1[s] * z_1[s] + g_2[s] * z_2[s];
   }
-}
-
-DEFORM_KERNEL void negated_product(Index size, const Components& M, const Components& B,
-                                   double* out) {
-  const double *M_11 = M[0], *M_12 = M[1], *M_22 = M[2];
-  const double *B_11 = B[0], *B_12 = B[1], *B_22 = B[2];
-  DEFORM_SAMPLES
-  for (Index s = 0; s < size; ++s)
-    out[s] = -(M_11[s] * B_11[s] + M_12[s] * B_12[s] + M_22[s] * B_22[s]);
 }
 
 DEFORM_KERNEL void add_along(Index size, const double* a, const Components& u,

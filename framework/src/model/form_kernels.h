@@ -22,16 +22,14 @@ struct EntriesOut {
 /// M = C x for x and M over 11, 12, 22.
 void multiply_tensor(Index size, const Symmetric& C, const Components& x,
                      const std::array<double*, 3>& M);
-/// λ = −Σ_a Γ^m_a M_a for one m.
-void combine_with_gamma(Index size, const Components& gamma, const Components& M, double* lambda);
+/// out = −Σ_a X_a M_a: of B, or of one m's Γ^m.
+void negated_product(Index size, const Components& X, const Components& M, double* out);
 /// out_b = −Σ_a Γ^m_a C_ab for one m.
 void multiply_gamma(Index size, const Components& gamma, const Symmetric& C,
                     const std::array<double*, 3>& out);
 /// r^k = G^k1 r_1 + G^k2 r_2.
 void find_dual(Index size, const std::array<const double*, 2>& reciprocal, const Components& r_1,
                const Components& r_2, const std::array<double*, 3>& dual);
-/// out = −Σ_a M_a B_a.
-void negated_product(Index size, const Components& M, const Components& B, double* out);
 
 /// σ += a u.
 void add_along(Index size, const double* a, const Components& u,
