@@ -64,21 +64,16 @@ BlockSystem::BlockSystem(const deform::BlockMatrix& pattern, const std::vector<s
 void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues& d, bool renew) {
   Level<Block>& level = cycle_->finest();
   deform::parallel_blocks(a.nodes, kRows, [&](Index first, Index size) {
-    for (Index row = first; row < first + size; ++row)
-      for (auto p = static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(row)]);
-           p < static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(row) + 1]); ++p) {
-        const double* from = a.value.data() + 9 * p;
-        float* upper = level.value.data() + Block::start(upper_[p]);
-        float* lower = level.value.data() + Block::start(lower_[p]);
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) {
-            lower[Block::kStride * i + j] = static_cast<float>(from[3 * i + j]);
-            upper[Block::kStride * j + i] = static_cast<float>(from[3 * i + j]);
-          }
-        if (upper == lower)
-          for (int c = 0; c < 3; ++c)
-            upper[(Block::kStride + 1) * c] = static_cast<float>(from[4 * c] + d[row]);
-      }
+    for (Index row = first; row < first + size; ++row) {
+      const auto begin = static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(row)]);
+      const Index blocks = a.row_begin[static_cast<std::size_t>(row) + 1] -
+                           a.row_begin[static_cast<std::size_t>(row)];
+      const double* from = a.value.data() + 9 * begin;
+      write_blocks(from, upper_.data() + begin, lower_.data() + begin, blocks, level.value.data());
+      float* diagonal = level.value.data() + Block::start(upper_[begin]);
+      for (int c = 0; c < 3; ++c)
+        diagonal[(Block::kStride + 1) * c] = static_cast<float>(from[4 * c] + d[row]);
+    }
   });
   is_old_ = is_made_ && !renew;
   is_made_ = true;

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "fill_kernels.h"
 #include "lanes.h"
 
 namespace multigrid {
@@ -14,10 +15,7 @@ struct Block {
   static constexpr int kColumns = 3;
   static constexpr int kStride = 16;
   static constexpr std::size_t kSize = 12;  ///< numbers a place
-  static std::size_t start(std::int32_t place) {
-    const auto p = static_cast<std::size_t>(place);
-    return 4 * kSize * (p / 4) + 4 * (p % 4);
-  }
+  static std::size_t start(std::int32_t place) { return start_of_block(place); }
   static Lanes apply(const float* a, const Lanes& x) {
     return x[0] * Lanes::load(a) + x[1] * Lanes::load(a + kStride) +
            x[2] * Lanes::load(a + 2 * kStride);
@@ -28,6 +26,18 @@ struct Block {
   }
   static void smooth(const Smoothing& s, Index first, Index end, float* next) {
     smooth_blocks(s, first, end, next);
+  }
+  static void add_rows(float weight, const FourRows& from, const std::uint16_t* slot, Index size,
+                       float* to) {
+    add_blocks(weight, from, slot, size, to);
+  }
+  static void combine(const Share* share, const std::uint16_t* end, Index size, const float* t,
+                      float* sums) {
+    combine_blocks(share, end, size, t, sums);
+  }
+  /// Writes the entry of one row of four.
+  static void store_row(const float* four, std::size_t row, float* to) {
+    for (std::size_t c = 0; c < 48; c += 16) Lanes::load(four + c + 4 * row).store(to + c);
   }
 };
 
@@ -45,6 +55,15 @@ struct Scalar {
   static void smooth(const Smoothing& s, Index first, Index end, float* next) {
     smooth_scalars(s, first, end, next);
   }
+  static void add_rows(float weight, const FourRows& from, const std::uint16_t* slot, Index size,
+                       float* to) {
+    add_scalars(weight, from, slot, size, to);
+  }
+  static void combine(const Share* share, const std::uint16_t* end, Index size, const float* t,
+                      float* sums) {
+    combine_scalars(share, end, size, t, sums);
+  }
+  static void store_row(const float* four, std::size_t row, float* to) { to[0] = four[row]; }
 };
 
 /// Sums of blocks, one register a column; a scalar is in the first lane.

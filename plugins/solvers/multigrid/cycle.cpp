@@ -27,7 +27,7 @@ Cycle<Entry>::Cycle(Pattern finest, std::vector<Mask> held,
   levels_.front().prepare(std::move(finest), std::move(held));
   for (const deform::Prolongation& p : coarsening) {
     if (levels_.back().pattern.nodes <= kDirect) break;
-    between_.emplace_back(levels_.back(), p);
+    between_.emplace_back(levels_.back().pattern, levels_.back().quads, p);
     Level<Entry> next;
     next.prepare(between_.back().coarse(), coarse_masks(levels_.back().held, between_.back()));
     levels_.push_back(std::move(next));

@@ -54,15 +54,6 @@ std::span<const std::int32_t> columns_of(const Pattern& a, std::int32_t row) {
                                      static_cast<std::size_t>(a.begin[r + 1] - a.begin[r]));
 }
 
-/// Adds a row's entries, which follow by fours, times a weight, where they belong; four rows.
-inline void add_entries(float weight, const std::array<const float*, kQuad>& from,
-                        const std::uint16_t* slot, std::int32_t size, Lanes* to) {
-  const Lanes weights{{weight, weight, weight, weight}};
-  for (std::size_t k = 0; k < static_cast<std::size_t>(size); ++k)
-    to[slot[k]] +=
-        weights * Lanes{{from[0][4 * k], from[1][4 * k], from[2][4 * k], from[3][4 * k]}};
-}
-
 }  // namespace
 
 /// Makes the plans of coarse rows in ascending order.
@@ -134,16 +125,8 @@ class Galerkin::Planner {
   std::vector<std::int32_t> fine_columns_, coarse_columns_;  // of the last row
 };
 
-Galerkin::Galerkin(const Level<Block>& fine, const deform::Prolongation& p)
+Galerkin::Galerkin(const Pattern& fine, const Quads& quads, const deform::Prolongation& p)
     : p_(rows_of(p)), transposed_(transposed_rows_of(p)) {
-  plan(fine.pattern, fine.quads);
-}
-Galerkin::Galerkin(const Level<Scalar>& fine, const deform::Prolongation& p)
-    : p_(rows_of(p)), transposed_(transposed_rows_of(p)) {
-  plan(fine.pattern, fine.quads);
-}
-
-void Galerkin::plan(const Pattern& fine, const Quads& quads) {
   for (Index a = 0; a < fine.nodes; ++a) start_.push_back(quads.first_place(fine, a));
   coarse_.nodes = transposed_.rows();
   Planner planner(fine, p_, transposed_);
@@ -175,36 +158,8 @@ void Galerkin::restrict_to(const LaneVector& r, LaneVector& f) const {
   });
 }
 
-void Galerkin::multiply(const Level<Block>& fine, Level<Block>& coarse) const {
-  deform::parallel_blocks(coarse_.nodes, kRows, [&](Index first, Index size) {
-    for (Index c = first; c < first + size; ++c) make_row(fine, c, coarse);
-  });
-}
-
-void Galerkin::make_row(const Level<Block>& fine, Index c, Level<Block>& coarse) const {
-  // Kept by each thread from call to call: no allocation once it is large enough.
-  thread_local std::vector<Sum<Block>> t;
-  const Plan& plan = plan_of(c);
-  t.assign(plan.slots, {});
-  const std::uint16_t* slot = plan.slot.data();
-  for (std::size_t i = 0; i < plan.size.size(); ++i) {
-    const std::int32_t a = transposed_.entry(c, i).column;
-    const std::int32_t begin = fine.pattern.begin[static_cast<std::size_t>(a)];
-    for (std::int32_t k = 0; k < plan.size[i]; ++k)
-      add<Block>(t[*slot++], plan.weight[i],
-                 fine.value.data() + Block::start(fine.quads.place(a, begin + k)));
-  }
-  const Share* share = plan.shares.data();
-  std::int32_t p = coarse_.begin[static_cast<std::size_t>(c)];
-  for (const std::uint16_t end : plan.end) {
-    Sum<Block> entry{};
-    for (; share != plan.shares.data() + end; ++share)
-      add<Block>(entry, share->weight, t[share->from]);
-    store(entry, coarse.value.data() + Block::start(coarse.quads.place(c, p++)));
-  }
-}
-
-void Galerkin::multiply(const Level<Scalar>& fine, Level<Scalar>& coarse) const {
+template <class Entry>
+void Galerkin::multiply(const Level<Entry>& fine, Level<Entry>& coarse) const {
   deform::parallel_blocks(coarse_.nodes, kRows, [&](Index first, Index size) {
     for (Index c = first; c < first + size; c += kQuad) {
       const bool is_whole = c + kQuad <= coarse_.nodes;
@@ -219,48 +174,54 @@ void Galerkin::multiply(const Level<Scalar>& fine, Level<Scalar>& coarse) const 
   });
 }
 
-/// Four rows of one plan at once, each in a lane.
-void Galerkin::make_rows(const Level<Scalar>& fine, const std::array<Index, kQuad>& c,
-                         Level<Scalar>& coarse) const {
-  thread_local std::vector<Lanes> t;
+/// Four rows of one plan at once, or one row four times.
+template <class Entry>
+void Galerkin::make_rows(const Level<Entry>& fine, const std::array<Index, kQuad>& c,
+                         Level<Entry>& coarse) const {
+  constexpr std::size_t kNumbers = kQuad * Entry::kSize;  // of an entry of four rows
+  // Kept by each thread from call to call: no allocation once they are large enough.
+  thread_local std::vector<float> t, sums;
   const Plan& plan = plan_of(c[0]);
-  t.assign(plan.slots, {});
-  const float* const value = fine.value.data();
+  t.assign(kNumbers * plan.slots, 0);
   const std::uint16_t* slot = plan.slot.data();
-  Lanes* const to = t.data();
   for (std::size_t i = 0; i < plan.size.size(); ++i) {
     const std::int32_t size = plan.size[i];
-    const float weight = plan.weight[i];
-    std::array<std::int32_t, kQuad> a{}, start{};
-    for (std::size_t lane = 0; lane < kQuad; ++lane) {
-      a[lane] = transposed_.entry(c[lane], i).column;
-      start[lane] = start_[static_cast<std::size_t>(a[lane])];
+    std::array<std::int32_t, kQuad> a{}, place{};
+    FourRows from{};
+    const auto start_from = [&](const std::array<std::int32_t, kQuad>& places) {
+      for (std::size_t row = 0; row < kQuad; ++row)
+        from[row] = fine.value.data() + Entry::start(places[row]);
+    };
+    for (std::size_t row = 0; row < kQuad; ++row) {
+      a[row] = transposed_.entry(c[row], i).column;
+      place[row] = start_[static_cast<std::size_t>(a[row])];
     }
-    if (std::ranges::min(start) >= 0) {
-      add_entries(weight, {value + start[0], value + start[1], value + start[2], value + start[3]},
-                  slot, size, to);
+    if (std::ranges::min(place) >= 0) {
+      start_from(place);
+      Entry::add_rows(plan.weight[i], from, slot, size, t.data());
     } else {
       for (std::int32_t k = 0; k < size; ++k) {
-        Lanes entries;
-        for (std::size_t lane = 0; lane < kQuad; ++lane)
-          entries.set(static_cast<int>(lane),
-                      value[fine.quads.place(
-                          a[lane], fine.pattern.begin[static_cast<std::size_t>(a[lane])] + k)]);
-        to[slot[k]] += weight * entries;
+        for (std::size_t row = 0; row < kQuad; ++row)
+          place[row] =
+              fine.quads.place(a[row], fine.pattern.begin[static_cast<std::size_t>(a[row])] + k);
+        start_from(place);
+        Entry::add_rows(plan.weight[i], from, slot + k, 1, t.data());
       }
     }
     slot += size;
   }
-  const Share* share = plan.shares.data();
-  for (std::size_t k = 0; k < plan.end.size(); ++k) {
-    Lanes entries;
-    for (const Share* const end = plan.shares.data() + plan.end[k]; share != end; ++share)
-      entries += share->weight * to[share->from];
-    for (std::size_t lane = 0; lane < kQuad; ++lane)
-      coarse.value[static_cast<std::size_t>(coarse.quads.place(
-          c[lane], coarse_.begin[static_cast<std::size_t>(c[lane])] +
-                       static_cast<std::int32_t>(k)))] = entries[static_cast<int>(lane)];
+  sums.resize(kNumbers * plan.end.size());
+  Entry::combine(plan.shares.data(), plan.end.data(), static_cast<Index>(plan.end.size()), t.data(),
+                 sums.data());
+  for (std::size_t row = 0; row < kQuad; ++row) {
+    std::int32_t p = coarse_.begin[static_cast<std::size_t>(c[row])];
+    for (std::size_t k = 0; k < plan.end.size(); ++k)
+      Entry::store_row(sums.data() + kNumbers * k, row,
+                       coarse.value.data() + Entry::start(coarse.quads.place(c[row], p++)));
   }
 }
+
+template void Galerkin::multiply(const Level<Block>& fine, Level<Block>& coarse) const;
+template void Galerkin::multiply(const Level<Scalar>& fine, Level<Scalar>& coarse) const;
 
 }  // namespace multigrid

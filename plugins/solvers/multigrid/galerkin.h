@@ -12,17 +12,16 @@
 
 namespace multigrid {
 
-/// PᵀAP for one P and one pattern of A. Each coarse row is made by itself: its row of T = PᵀA, then
-/// that times P. Where the products go is found once, and shared by the rows that are alike.
+/// PᵀAP for one P and one pattern of A. Coarse rows are made by fours: their rows of T = PᵀA, then
+/// those times P. Where the products go is found once, and shared by the rows that are alike.
 class Galerkin {
  public:
-  Galerkin(const Level<Block>& fine, const deform::Prolongation& p);
-  Galerkin(const Level<Scalar>& fine, const deform::Prolongation& p);
+  Galerkin(const Pattern& fine, const Quads& quads, const deform::Prolongation& p);
 
   [[nodiscard]] const Pattern& coarse() const { return coarse_; }
   /// The values of PᵀAP; `fine` without its held rows and columns, so that P needs to know of none.
-  void multiply(const Level<Block>& fine, Level<Block>& coarse) const;
-  void multiply(const Level<Scalar>& fine, Level<Scalar>& coarse) const;
+  template <class Entry>
+  void multiply(const Level<Entry>& fine, Level<Entry>& coarse) const;
   /// f of the coarse level from the residual r: Pᵀ r.
   void restrict_to(const LaneVector& r, LaneVector& f) const;
   /// (P x)_a.
@@ -33,12 +32,6 @@ class Galerkin {
   [[nodiscard]] std::int32_t same(Index fine) const;
 
  private:
-  /// An entry of T's row, and the weight with which it is part of one of the coarse row.
-  struct Share {
-    std::uint16_t from = 0;
-    float weight = 0;
-    auto operator<=>(const Share&) const = default;
-  };
   /// Where the products of a coarse row go.
   struct Plan {
     std::vector<std::uint16_t> slot;  // in T's row, of each entry of each fine row
@@ -51,13 +44,12 @@ class Galerkin {
   };
   class Planner;
 
-  void plan(const Pattern& fine, const Quads& quads);
   [[nodiscard]] const Plan& plan_of(Index c) const {
     return plans_[static_cast<std::size_t>(plan_[static_cast<std::size_t>(c)])];
   }
-  void make_row(const Level<Block>& fine, Index c, Level<Block>& coarse) const;
-  void make_rows(const Level<Scalar>& fine, const std::array<Index, kQuad>& c,
-                 Level<Scalar>& coarse) const;
+  template <class Entry>
+  void make_rows(const Level<Entry>& fine, const std::array<Index, kQuad>& c,
+                 Level<Entry>& coarse) const;
 
   AlikeRows p_, transposed_;
   Pattern coarse_;

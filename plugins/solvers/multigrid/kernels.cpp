@@ -4,27 +4,10 @@
 
 #include <deform/kernel.h>
 
-// Wide vectors pass between functions that are all inlined: no other file sees how.
-#pragma GCC diagnostic ignored "-Wpsabi"
+#include "vectors.h"
 
 namespace multigrid {
 namespace {
-
-/// The lanes of a quad of nodes in single precision, and of two nodes in double precision.
-using Quad [[gnu::vector_size(64)]] = float;
-using Pair [[gnu::vector_size(64)]] = double;
-using HalfQuad [[gnu::vector_size(32)]] = float;
-
-template <class Vector, class Number>
-[[gnu::always_inline]] inline Vector load(const Number* from) {
-  Vector v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
-}
-template <class Vector, class Number>
-[[gnu::always_inline]] inline void store(const Vector& v, Number* to) {
-  std::memcpy(to, &v, sizeof v);
-}
 
 /// The first four numbers, or the two from the first or third on, each in all lanes of its node.
 /// The whole vector has been loaded (kOverrun): a compiler makes a wide vector of a narrow one by

@@ -1,0 +1,30 @@
+/// Vectors of the processor, as kernels use them. For source files with kernels alone: they pass
+/// between functions that are all inlined.
+#pragma once
+
+#include <cstring>
+
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace multigrid {
+
+/// The lanes of one node, of two and of a quad in single precision, and of one and of two nodes in
+/// double precision.
+using Single [[gnu::vector_size(16)]] = float;
+using HalfQuad [[gnu::vector_size(32)]] = float;
+using Quad [[gnu::vector_size(64)]] = float;
+using DoubleSingle [[gnu::vector_size(32)]] = double;
+using Pair [[gnu::vector_size(64)]] = double;
+
+template <class Vector, class Number>
+[[gnu::always_inline]] inline Vector load(const Number* from) {
+  Vector v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+template <class Vector, class Number>
+[[gnu::always_inline]] inline void store(const Vector& v, Number* to) {
+  std::memcpy(to, &v, sizeof v);
+}
+
+}  // namespace multigrid
