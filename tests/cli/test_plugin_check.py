@@ -106,6 +106,9 @@ class PluginCheck(unittest.TestCase):
         self.find_out("energy", "writing", "writes nothing beyond a block")
         self.find_out("energy", "finite", "gives finite numbers")
         self.find_out("energy", "sharing", "same bits when asked again", "same bits on several")
+        self.find_out("energy", "dependence", "exact tangent = −derivative of the force")
+        self.find_out("energy", "reading", "reads only what dependence() names",
+                      "gives finite numbers")
 
     def test_normals(self):
         self.find_out("normal", "dependence", "writes only what dependence() allows")

@@ -16,10 +16,6 @@ constexpr double kSentinel = 0x1.badbadbadp-7;  // no figure that a plugin would
 constexpr int kThreads = 4;
 constexpr int kRepetitions = 8;
 
-bool all_finite(std::span<const double> numbers) {
-  return std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); });
-}
-
 /// The same evaluation on several threads at once, several times.
 bool same_when_concurrent(const Evaluate& evaluate, const Evaluated& expected) {
   std::vector<std::thread> threads;
@@ -62,6 +58,10 @@ bool GuardedRoom::margins_intact() const {
   const auto is_sentinel = [](double x) { return x == kSentinel; };
   return std::all_of(numbers_.begin(), numbers_.begin() + kMargin, is_sentinel) &&
          std::all_of(numbers_.end() - kMargin, numbers_.end(), is_sentinel);
+}
+
+bool all_finite(std::span<const double> numbers) {
+  return std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); });
 }
 
 bool same_bits(std::span<const double> a, std::span<const double> b) {

@@ -45,6 +45,7 @@ inline constexpr const char* kWritesWithin = "writes nothing beyond a block";
 void check_evaluation(Checks& checks, const Evaluate& evaluate, bool adds);
 
 [[nodiscard]] bool same_bits(std::span<const double> a, std::span<const double> b);
+[[nodiscard]] bool all_finite(std::span<const double> numbers);
 
 /// Calls f on one thread, then on as many as there are, and tells whether the results have the same
 /// bits. For what the framework itself spreads over threads.

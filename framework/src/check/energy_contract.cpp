@@ -19,10 +19,11 @@ std::vector<double> numbers_of(const NodeVectors& v) { return {v.data(), v.data(
 /// assembly.
 class JetBench {
  public:
-  JetBench(const JetTerm& term, const Surface& surface, const NodeVectors& r)
+  JetBench(const JetTerm& term, const Surface& surface, const NodeVectors& r,
+           Geometry::Detail detail)
       : term_(term), traits_(term.traits()), samples_(surface.samples(term.role())) {
     for (Geometry* g : {&now_, &rest_}) *g = Geometry(samples_);
-    now_.compute(samples_, r, detail_of(term, traits_));
+    now_.compute(samples_, r, detail);
     rest_.compute(samples_, surface.rest());
     make_auxiliary();
   }
@@ -149,12 +150,26 @@ Evaluate tuple_evaluation(const TupleTerm& term, const NodeVectors& r) {
   };
 }
 
+/// What a term says that it does not depend on is not computed for it.
+void check_reading(const JetTerm& term, const Surface& surface, const NodeVectors& r,
+                   Checks& checks) {
+  if (detail_of(term, term.traits()) != Geometry::Detail::first) return;
+  const auto is_finite = [&](Geometry::Detail detail) {
+    return all_finite(JetBench(term, surface, r, detail).evaluate(kBlock, 0).numbers);
+  };
+  checks.holds("reads only what dependence() names",
+               is_finite(Geometry::Detail::first) || !is_finite(Geometry::Detail::second),
+               "it reads second derivatives, too");
+}
+
 void check_blocks_of(const EnergyTerm& term, const Surface& surface, Checks& checks) {
   const NodeVectors r = disturbed(surface.rest(), kStrain).r;
   if (const auto* tuples = dynamic_cast<const TupleTerm*>(&term)) {
     check_evaluation(checks, tuple_evaluation(*tuples, r), true);
   } else if (const auto* jets = dynamic_cast<const JetTerm*>(&term)) {
-    const auto bench = std::make_shared<JetBench>(*jets, surface, r);
+    check_reading(*jets, surface, r, checks);
+    const auto bench =
+        std::make_shared<JetBench>(*jets, surface, r, detail_of(*jets, jets->traits()));
     check_evaluation(checks, in_sample_order(bench, surface.samples(jets->role()).size()), true);
   } else {
     checks.holds("is a JetTerm or a TupleTerm, or a sum of such", false,

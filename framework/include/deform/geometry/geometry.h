@@ -85,7 +85,7 @@ class DEFORM_API Geometry {
   /// Evaluates (3), (6), (8), (13), (15) at positions r (N × 3) [m], in parallel, with the same
   /// bits at any number of threads. What is left out is not a number.
   void compute(const SampleSet& samples, const NodeVectors& r, Detail detail = Detail::second);
-  /// Computes what was left out at the same positions, if anything was.
+  /// Computes what was left out, if anything was, at the same positions r (N × 3) [m].
   void complete(const SampleSet& samples, const NodeVectors& r);
 
   /// Makes this (1 − s) · this + s · other, field by field, of the same set: a G and a B that no
