@@ -161,20 +161,17 @@ void Galerkin::restrict_to(const LaneVector& r, LaneVector& f) const {
 template <class Entry>
 void Galerkin::multiply(const Level<Entry>& fine, Level<Entry>& coarse) const {
   deform::parallel_blocks(coarse_.nodes, kRows, [&](Index first, Index size) {
-    for (Index c = first; c < first + size; c += kQuad) {
-      const bool is_whole = c + kQuad <= coarse_.nodes;
-      const auto plan = plan_.begin() + c;
-      if (is_whole && std::all_of(plan, plan + kQuad, [&](auto other) { return other == *plan; })) {
-        make_rows(fine, {c, c + 1, c + 2, c + 3}, coarse);
-      } else {
-        for (Index row = c; row < std::min(c + kQuad, coarse_.nodes); ++row)
-          make_rows(fine, {row, row, row, row}, coarse);
-      }
+    for (Index c = first, next = c; c < first + size; c = next) {
+      while (next < first + size && next < c + kQuad &&
+             plan_[static_cast<std::size_t>(next)] == plan_[static_cast<std::size_t>(c)])
+        ++next;
+      const Index last = next - 1;
+      make_rows(fine, {c, std::min(c + 1, last), std::min(c + 2, last), last}, coarse);
     }
   });
 }
 
-/// Four rows of one plan at once, or one row four times.
+/// Four rows of one plan at once; where there are less of it, the last comes again.
 template <class Entry>
 void Galerkin::make_rows(const Level<Entry>& fine, const std::array<Index, kQuad>& c,
                          Level<Entry>& coarse) const {
