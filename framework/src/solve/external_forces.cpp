@@ -144,16 +144,16 @@ std::vector<std::string> ExternalForces::without_potential() const {
   return names;
 }
 
-NodeValues ExternalForces::potential(const State& state, const NodeVectors& normals,
-                                     const Named<ForceField>* only) {
-  NodeValues energy = NodeValues::Zero(state.r.rows());
+const NodeValues& ExternalForces::potential(const State& state, const NodeVectors& normals,
+                                            const Named<ForceField>* only) {
+  potential_.setZero(state.r.rows());
   visit_blocks(state, normals, only,
                [&](const ForceField& field, const ForceTraits& traits, const NodeBlock& block) {
                  if (traits.potential)
-                   field.add_potential(
-                       block, {energy.data() + block.first, static_cast<std::size_t>(block.size)});
+                   field.add_potential(block, {potential_.data() + block.first,
+                                               static_cast<std::size_t>(block.size)});
                });
-  return energy;
+  return potential_;
 }
 
 }  // namespace deform

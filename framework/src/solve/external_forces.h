@@ -48,9 +48,9 @@ class ExternalForces {
   [[nodiscard]] std::vector<std::string> without_tangent() const;
   [[nodiscard]] std::vector<std::string> without_potential() const;
 
-  /// (N) Potential energy at each node [J].
-  [[nodiscard]] NodeValues potential(const State& state, const NodeVectors& normals,
-                                     const Named<ForceField>* only = nullptr);
+  /// (N) Potential energy at each node [J], until the next call.
+  [[nodiscard]] const NodeValues& potential(const State& state, const NodeVectors& normals,
+                                            const Named<ForceField>* only = nullptr);
 
  private:
   template <class Visit>
@@ -74,6 +74,7 @@ class ExternalForces {
   bool mirrored_;
   bool needs_normals_ = false, needs_neighbours_ = false;
   NodeVectors r_, v_, n_, f_;  // reflected
+  NodeValues potential_;
 };
 
 }  // namespace deform

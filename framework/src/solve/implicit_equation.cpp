@@ -49,11 +49,10 @@ double ImplicitEquation::work_to(const State& state, const NodeVectors& beside) 
 }
 
 double ImplicitEquation::incremental_potential(const State& state) {
-  const NodeVectors from_base = state.r - stage_->r_base, from_inertial = state.r - inertial_;
   double sum = 0;
   for (int c = 0; c < 3; ++c) {
-    sum += 0.5 * mass_.dot(from_inertial.col(c).cwiseAbs2());
-    sum += 0.5 * damping_.dot(from_base.col(c).cwiseAbs2());
+    sum += 0.5 * mass_.dot((state.r.col(c) - inertial_.col(c)).cwiseAbs2());
+    sum += 0.5 * damping_.dot((state.r.col(c) - stage_->r_base.col(c)).cwiseAbs2());
   }
   sum += system_->potential(state) + system_->damping_potential(state);
   if (contacts_begun_) {

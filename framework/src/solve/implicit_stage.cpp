@@ -138,6 +138,8 @@ struct ImplicitStage::Impl {
   double tried = 0;   // that of the first since the lowest
   Tangent kind = Tangent::exact, next = Tangent::exact;
   NodeVectors guess;   // of a stage
+  State begin;         // of a step, as a guess
+  NodeVectors nearer;  // positions before a step is doubled
   NodeVectors before;  // positions before the last step
   NodeVectors direction;
   double angle = 0;    // by which it turns some part of the surface [rad]
@@ -206,7 +208,7 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
 /// The guess, or where the step began, whichever has the smaller merit.
 void ImplicitStage::Impl::choose_guess(System& system, const Stage& stage, State& state) {
   const Span span("guess");
-  State begin = state;
+  begin = state;
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < begin.r.rows(); ++a)
       if (system.reduction().free(a, c)) begin.r(a, c) = stage.start(a, c);
@@ -264,7 +266,9 @@ bool ImplicitStage::Impl::is_converged(State& state, double norm) {
 }
 
 void ImplicitStage::Impl::remember(State& state, double merit) {
-  lowest = {state.r, merit, equation.way()};
+  lowest.r = state.r;
+  lowest.merit = merit;
+  lowest.way = equation.way();
   patience = 0;
 }
 
@@ -289,11 +293,11 @@ void ImplicitStage::Impl::go(System& system, const NodeVectors& from, double s,
 double ImplicitStage::Impl::go_farther(System& system, const NodeVectors& from, double s,
                                        double there, State& state) {
   for (int k = 0; kind == Tangent::projected && k < kMostDoublings; ++k) {
-    const NodeVectors here = state.r;
+    nearer = state.r;
     go(system, from, 2 * s, state.r);
     const double farther = equation.merit(state);
     if (!(farther < there)) {
-      state.r = here;
+      state.r = nearer;
       break;
     }
     there = farther, s *= 2;

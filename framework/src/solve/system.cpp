@@ -393,7 +393,7 @@ double System::energy(std::size_t term, const State& state) {
       return sum;
     }
   impl_->update_geometry(state.r);
-  const std::vector<double> density = energy_density(term);
+  const std::vector<double>& density = find_energy_density(term);
   for (const SetPart& set : impl_->sets)
     if (set.assembler.find(term) != nullptr) {
       const ConstValues weights = set.assembler.samples().weights();
@@ -405,17 +405,24 @@ double System::energy(std::size_t term, const State& state) {
 }
 
 std::vector<double> System::energy_density(std::size_t term) const {
+  return find_energy_density(term);
+}
+
+/// Until the next call; empty for terms that have none.
+const std::vector<double>& System::find_energy_density(std::size_t term) const {
+  std::vector<double>& density = impl_->energy_density;
+  density.clear();
   for (SetPart& set : impl_->sets)
     if (const auto* t = set.assembler.find(term)) {
-      std::vector<double> density(static_cast<std::size_t>(set.assembler.samples().size()));
+      density.resize(static_cast<std::size_t>(set.assembler.samples().size()));
       set.assembler.energy_density(*t, impl_->geometries(set), density);
       const auto bad = std::ranges::find_if_not(density, [](double e) { return std::isfinite(e); });
       if (bad != density.end())
         throw_energy_not_finite(
             term, set.assembler.samples().stencil(bad - density.begin()).nodes.front());
-      return density;
+      break;
     }
-  return {};
+  return density;
 }
 
 void System::throw_energy_not_finite(std::size_t term, Index node) const {

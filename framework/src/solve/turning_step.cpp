@@ -81,20 +81,20 @@ double TurningStep::aim(const NodeVectors& r, const NodeVectors& d) {
   from_ = r;
   direction_ = d;
   turn_.setZero(r.rows(), 3);
-  std::vector<Eigen::Matrix3d> normal(static_cast<std::size_t>(r.rows()), Eigen::Matrix3d::Zero());
+  normal_.assign(static_cast<std::size_t>(r.rows()), Eigen::Matrix3d::Zero());
   for (const auto& [a, b, weight] : links_) {
     const Vec3 e = r.row(b) - r.row(a), change = d.row(b) - d.row(a);
     const Eigen::Matrix3d part =
         weight * (e.squaredNorm() * Eigen::Matrix3d::Identity() - e * e.transpose());
     const Vec3 moment = weight * e.cross(change);
     for (const Index node : {a, b}) {
-      normal[static_cast<std::size_t>(node)] += part;
+      normal_[static_cast<std::size_t>(node)] += part;
       turn_.row(node) += moment;
     }
   }
   double largest = 0;
   for (Index a = 0; a < r.rows(); ++a) {
-    Eigen::Matrix3d& m = normal[static_cast<std::size_t>(a)];
+    Eigen::Matrix3d& m = normal_[static_cast<std::size_t>(a)];
     m.diagonal().array() += 1e-9 * m.trace();
     turn_.row(a) = m.ldlt().solve(Vec3(turn_.row(a)));
     largest = std::max(largest, turn_.row(a).norm());
@@ -104,22 +104,22 @@ double TurningStep::aim(const NodeVectors& r, const NodeVectors& d) {
 
 void TurningStep::take(double s, NodeVectors& r) {
   r = from_ + s * direction_;
-  NodeVectors pull = NodeVectors::Zero(r.rows(), 3), correction;
+  pull_.setZero(r.rows(), 3);
   for (const auto& [a, b, weight] : links_) {
     const Vec3 e = from_.row(b) - from_.row(a), change = direction_.row(b) - direction_.row(a);
     const Vec3 turn = 0.5 * (turn_.row(a) + turn_.row(b));
     const Vec3 target = turned(s * turn, e + s * (change - turn.cross(e)));
     const Vec3 left = weight * (target - Vec3(r.row(b) - r.row(a)));
-    pull.row(a) -= left;
-    pull.row(b) += left;
+    pull_.row(a) -= left;
+    pull_.row(b) += left;
   }
   std::string reason;
   if (!is_prepared_) reason = solver_.factor_to_tolerance(laplacian_, regular_, true);
   is_prepared_ = reason.empty();
-  if (is_prepared_) reason = solver_.solve_to_tolerance(kTolerance, pull, correction);
+  if (is_prepared_) reason = solver_.solve_to_tolerance(kTolerance, pull_, correction_);
   if (!reason.empty())
     throw Error(ExitCode::diverged, "the matrix of links between nodes: " + reason);
-  r += correction;
+  r += correction_;
 }
 
 }  // namespace deform

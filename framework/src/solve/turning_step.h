@@ -41,6 +41,8 @@ class TurningStep {
   TangentSolver solver_;
   bool is_prepared_ = false;
   NodeVectors from_, direction_, turn_;  // (N × 3) [m], [m], [rad]
+  std::vector<Eigen::Matrix3d> normal_;  // (N) equations of turns
+  NodeVectors pull_, correction_;        // (N × 3) of positions
 };
 
 }  // namespace deform
