@@ -393,7 +393,8 @@ double System::energy(std::size_t term, const State& state) {
       return sum;
     }
   impl_->update_geometry(state.r);
-  const std::vector<double>& density = find_energy_density(term);
+  std::vector<double>& density = impl_->energy_density;
+  find_energy_density(term, density);
   for (const SetPart& set : impl_->sets)
     if (set.assembler.find(term) != nullptr) {
       const ConstValues weights = set.assembler.samples().weights();
@@ -405,12 +406,12 @@ double System::energy(std::size_t term, const State& state) {
 }
 
 std::vector<double> System::energy_density(std::size_t term) const {
-  return find_energy_density(term);
+  std::vector<double> density;
+  find_energy_density(term, density);
+  return density;
 }
 
-/// Until the next call; empty for terms that have none.
-const std::vector<double>& System::find_energy_density(std::size_t term) const {
-  std::vector<double>& density = impl_->energy_density;
+void System::find_energy_density(std::size_t term, std::vector<double>& density) const {
   density.clear();
   for (SetPart& set : impl_->sets)
     if (const auto* t = set.assembler.find(term)) {
@@ -420,9 +421,8 @@ const std::vector<double>& System::find_energy_density(std::size_t term) const {
       if (bad != density.end())
         throw_energy_not_finite(
             term, set.assembler.samples().stencil(bad - density.begin()).nodes.front());
-      break;
+      return;
     }
-  return density;
 }
 
 void System::throw_energy_not_finite(std::size_t term, Index node) const {

@@ -110,7 +110,7 @@ struct System::Impl {
   bool renews = true;  // the next iterative solve takes nothing from earlier ones
   std::vector<Freedom> held_freedoms;
   std::optional<ColouredJacobian> jacobian;
-  std::vector<double> energy_density;        // of one term
+  std::vector<double> energy_density;        // of one term, for its sum
   BlockMatrix no_stiffness;                  // of the pattern of masses
   std::optional<TangentSolver> mass_solver;  // made when first needed
   std::optional<TurningStep> turning;        // likewise

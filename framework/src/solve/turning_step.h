@@ -41,8 +41,9 @@ class TurningStep {
   TangentSolver solver_;
   bool is_prepared_ = false;
   NodeVectors from_, direction_, turn_;  // (N × 3) [m], [m], [rad]
-  std::vector<Eigen::Matrix3d> normal_;  // (N) equations of turns
-  NodeVectors pull_, correction_;        // (N × 3) of positions
+  // Kept for their memory.
+  std::vector<Eigen::Matrix3d> normal_;  // (N) [1], normal equations of the turns
+  NodeVectors pull_, correction_;        // (N × 3) [1/m], [m], of the positions
 };
 
 }  // namespace deform

@@ -70,6 +70,7 @@ void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues&
                            a.row_begin[static_cast<std::size_t>(row)];
       const double* from = a.value.data() + 9 * begin;
       write_blocks(from, upper_.data() + begin, lower_.data() + begin, blocks, level.value.data());
+      // The diagonal block, which comes first, is its own mirror image.
       float* diagonal = level.value.data() + Block::start(upper_[begin]);
       for (int c = 0; c < 3; ++c)
         diagonal[(Block::kStride + 1) * c] = static_cast<float>(from[4 * c] + d[row]);

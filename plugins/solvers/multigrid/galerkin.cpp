@@ -185,24 +185,23 @@ void Galerkin::make_rows(const Level<Entry>& fine, const std::array<Index, kQuad
     const std::int32_t size = plan.size[i];
     std::array<std::int32_t, kQuad> a{}, place{};
     FourRows from{};
-    const auto start_from = [&](const std::array<std::int32_t, kQuad>& places) {
+    const auto add = [&](std::int32_t first, std::int32_t entries) {
       for (std::size_t row = 0; row < kQuad; ++row)
-        from[row] = fine.value.data() + Entry::start(places[row]);
+        from[row] = fine.value.data() + Entry::start(place[row]);
+      Entry::add_rows(plan.weight[i], from, slot + first, entries, t.data());
     };
     for (std::size_t row = 0; row < kQuad; ++row) {
       a[row] = transposed_.entry(c[row], i).column;
       place[row] = start_[static_cast<std::size_t>(a[row])];
     }
     if (std::ranges::min(place) >= 0) {
-      start_from(place);
-      Entry::add_rows(plan.weight[i], from, slot, size, t.data());
+      add(0, size);
     } else {
       for (std::int32_t k = 0; k < size; ++k) {
         for (std::size_t row = 0; row < kQuad; ++row)
           place[row] =
               fine.quads.place(a[row], fine.pattern.begin[static_cast<std::size_t>(a[row])] + k);
-        start_from(place);
-        Entry::add_rows(plan.weight[i], from, slot + k, 1, t.data());
+        add(k, 1);
       }
     }
     slot += size;

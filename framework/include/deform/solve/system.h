@@ -286,7 +286,8 @@ class DEFORM_API System {
   [[noreturn]] void throw_force_not_finite(const State& state);
   [[noreturn]] void throw_operator_not_finite(const State& state);
   [[noreturn]] void throw_prescribed_not_finite(double time, Index node) const;
-  const std::vector<double>& find_energy_density(std::size_t term) const;
+  /// As energy_density, into room that is kept.
+  void find_energy_density(std::size_t term, std::vector<double>& density) const;
   [[noreturn]] void throw_energy_not_finite(std::size_t term, Index node) const;
 
   struct Impl;
