@@ -76,7 +76,8 @@ double ImplicitEquation::merit(State& state) {
 }
 
 void ImplicitEquation::evaluate_tangent(State& state, Tangent kind, const NodeVectors* before) {
-  system_->evaluate_with_tangent(state, kind, before, 1 / stage_->tau);
+  system_->evaluate_with_tangent(state, kind, before, 1 / stage_->tau,
+                                 with_contacts_ ? TangentUse::any : TangentUse::directions);
   if (!with_contacts_) return;
   if (!contacts_begun_) contacts_.begin(*system_, diagonal_ + system_->mean_stiffness());
   contacts_begun_ = true;

@@ -25,7 +25,10 @@ void System::Impl::update_damping(const NodeVectors& r) {
   if (damped_at.rows() == r.rows() && damped_at == r) return;
   const Stopwatch watch(times.assembly, "tangent of damping");
   if (tangent.nodes == 0) make_tangent_pattern();
-  if (damping.nodes == 0) damping = tangent;
+  if (damping.nodes == 0) {
+    damping = tangent;
+    damping.value.resize(9 * damping.column.size());
+  }
   const std::vector<double> factors = damping_factors(false);
   const auto of = [&](SetPart& set) -> Geometries {
     if (set.damped.size() == 0) set.damped = Geometry(set.assembler.samples());

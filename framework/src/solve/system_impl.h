@@ -47,6 +47,11 @@ struct System::Impl {
   void make_pattern();
   void make_tangent_pattern();
   void make_tangent_solver();
+  [[nodiscard]] std::span<const Geometries> geometries_of_tangent();
+  [[nodiscard]] bool give_tangent_to_solver();
+  [[nodiscard]] bool make_tangent();
+  void add_to_tangent(const State& state, double rate);
+  const BlockMatrix& whole_tangent();
   [[nodiscard]] bool adds_to_tangent(double rate) const;
   [[nodiscard]] bool has_material_damping() const;
   void update_damping(const NodeVectors& r);
@@ -101,7 +106,14 @@ struct System::Impl {
   long version = 0;
   std::optional<ReducedSolver> solver;
   std::string no_solver = "none was needed";
+  /// Of the last evaluate_with_tangent: its values, unless its rows went to the solver …
   BlockMatrix tangent;
+  bool tangent_is_whole = false, solver_has_tangent = false;
+  NodeValues tangent_diagonal;  // … without this, of force fields [N/m]
+  NodeValues solver_diagonal;   // that, and what solve_tangent_to adds
+  NodeVectors tangent_at;       // positions, kind, and whether `before` is that of the kind
+  Tangent tangent_kind = Tangent::exact;
+  bool tangent_is_foreseen = false;
   TangentMatrix tangents;  // makes the one before and the next; bound when first asked for
   BlockMatrix damping;     // of the material, N·s/m, where some term has a retardation time …
   NodeVectors damped_at;   // … at these positions

@@ -47,49 +47,96 @@ void System::Impl::make_tangent_pattern() {
     tangent.column.insert(tangent.column.end(), rows[a].begin(), rows[a].end());
     tangent.row_begin.push_back(static_cast<std::int32_t>(tangent.column.size()));
   }
-  tangent.value.resize(9 * tangent.column.size());
   tangents.bind(tangent);
 }
 
 void System::Impl::make_tangent_solver() {
   if (tangent_solver) return;
-  tangent_solver.emplace(*map, tangent, held_freedoms, parts.make_solvers);
+  tangent_solver.emplace(*map, tangent, held_freedoms, parts.make_solvers,
+                         [this]() -> const BlockMatrix& { return whole_tangent(); });
 }
 
-const BlockMatrix& System::tangent() const { return impl_->tangent; }
+std::span<const Geometries> System::Impl::geometries_of_tangent() {
+  return geometries_of_sets([&](SetPart& set) {
+    const Geometries at = geometries(set);
+    return tangent_is_foreseen ? Geometries{at.now, set.before, at.rest} : at;
+  });
+}
+
+/// Rows of terms on jets, as they are made; returns whether they are finite.
+bool System::Impl::give_tangent_to_solver() {
+  tangent_is_whole = false, solver_has_tangent = true;
+  const std::vector<std::int32_t>& begin = tangent.row_begin;
+  return tangents.make_rows(geometries_of_tangent(), tangent_kind, {}, [&](const BlockRows& rows) {
+    const auto row = static_cast<std::size_t>(rows.row);
+    tangent_solver->put(rows);
+    return rows_are_finite(rows.value, rows.size, 9 * Index{begin[row + 1] - begin[row]},
+                           rows.lanes);
+  });
+}
+
+/// The same rows, and the diagonal, to the whole matrix.
+bool System::Impl::make_tangent() {
+  tangent_is_whole = true, solver_has_tangent = false;
+  tangent.value.resize(9 * tangent.column.size());
+  const bool is_finite = tangents.assemble(geometries_of_tangent(), tangent_kind, {}, tangent);
+  for (Index a = 0; a < tangent.nodes; ++a)
+    tangent.block(a, a).diagonal().array() += tangent_diagonal[a];
+  return is_finite;
+}
+
+const BlockMatrix& System::Impl::whole_tangent() {
+  if (tangent_is_whole || tangent_at.rows() == 0) return tangent;
+  const Span span("tangent once more");
+  update_geometry(tangent_at);
+  (void)make_tangent();
+  return tangent;
+}
+
+/// What is not of terms on jets, nor on the diagonal.
+void System::Impl::add_to_tangent(const State& state, double rate) {
+  for (TupleAssembler& t : tuples) t.add_tangent(state.r, tangent_kind, tangent);
+  if (strain_rate > 0) add_strain_damping_tangent(tangent_kind, tangent);
+  if (rate != 0 && has_material_damping()) {
+    update_damping(state.r);
+    for (std::size_t i = 0; i < tangent.value.size(); ++i)
+      tangent.value[i] += rate * damping.value[i];
+  }
+  external.add_exact_tangent(state, normals, rate, tangent);
+}
+
+const BlockMatrix& System::tangent() const { return impl_->whole_tangent(); }
 
 void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before,
-                                   double rate) {
+                                   double rate, TangentUse use) {
   evaluate(state);
   const Stopwatch watch(impl_->times.assembly, "tangent");
   if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
-  BlockMatrix& k = impl_->tangent;
-  const auto of = [&](SetPart& set) {
-    Geometries geometries = impl_->geometries(set);
-    if (kind != Tangent::foreseen || before == nullptr) return geometries;
-    if (set.before.size() == 0) set.before = Geometry(set.assembler.samples());
-    set.compute(set.before, *before);
-    return Geometries{geometries.now, set.before, geometries.rest};
-  };
-  bool is_finite = impl_->tangents.assemble(impl_->geometries_of_sets(of), kind, {}, k);
-  for (TupleAssembler& t : impl_->tuples) t.add_tangent(state.r, kind, k);
+  impl_->tangent_at = state.r;
+  impl_->tangent_kind = kind;
+  impl_->tangent_is_foreseen = kind == Tangent::foreseen && before != nullptr;
+  if (impl_->tangent_is_foreseen)
+    for (SetPart& set : impl_->sets) {
+      if (set.before.size() == 0) set.before = Geometry(set.assembler.samples());
+      set.compute(set.before, *before);
+    }
   impl_->force_stiffness.setZero();
   impl_->force_damping.setZero();
   impl_->external.add_tangent(state, impl_->normals, impl_->force_stiffness, impl_->force_damping,
                               nullptr, true);
-  is_finite &= impl_->force_stiffness.allFinite() && impl_->force_damping.allFinite();
-  for (Index a = 0; a < k.nodes; ++a)
-    k.block(a, a).diagonal().array() += impl_->force_stiffness[a] + rate * impl_->force_damping[a];
-  if (impl_->strain_rate > 0) impl_->add_strain_damping_tangent(kind, k);
-  if (rate != 0 && impl_->has_material_damping()) {
-    impl_->update_damping(state.r);
-    const std::vector<double>& damping = impl_->damping.value;
-    for (std::size_t i = 0; i < k.value.size(); ++i) k.value[i] += rate * damping[i];
+  impl_->tangent_diagonal = impl_->force_stiffness + rate * impl_->force_damping;
+  const bool adds = impl_->adds_to_tangent(rate);
+  bool is_finite = impl_->force_stiffness.allFinite() && impl_->force_damping.allFinite();
+  if (use == TangentUse::directions && !adds) impl_->make_tangent_solver();
+  if (use == TangentUse::directions && !adds && impl_->tangent_solver->takes_rows()) {
+    is_finite &= impl_->give_tangent_to_solver();
+  } else {
+    is_finite &= impl_->make_tangent();
+    impl_->add_to_tangent(state, rate);
+    // A pass over the whole matrix only where more was added to it.
+    is_finite &= !adds || is_finite_everywhere(impl_->tangent.value);
   }
-  impl_->external.add_exact_tangent(state, impl_->normals, rate, k);
-  // A pass over the whole matrix only where more was added to it.
-  if (!is_finite || (impl_->adds_to_tangent(rate) && !is_finite_everywhere(k.value)))
-    throw NotFinite("the tangent is not finite", -1, largest_force_at(0, state));
+  if (!is_finite) throw NotFinite("the tangent is not finite", -1, largest_force_at(0, state));
 }
 
 double System::potential(const State& state) {
@@ -114,6 +161,8 @@ std::vector<std::string> System::without_tangent() const {
 }
 
 void System::stiffen(Index node, const Eigen::Matrix3d& block) {
+  (void)impl_->whole_tangent();
+  impl_->solver_has_tangent = false;
   impl_->tangent.block(node, node) += block;
 }
 
@@ -123,7 +172,7 @@ double System::root_mean_square(const NodeVectors& field) const {
 
 NodeValues System::mean_stiffness() const {
   NodeValues mean(nodes());
-  const BlockMatrix& k = impl_->tangent;
+  const BlockMatrix& k = impl_->whole_tangent();
   for (Index a = 0; a < k.nodes; ++a) {
     const double* block = k.value.data() + 9 * Index{k.row_begin[static_cast<std::size_t>(a)]};
     mean[a] = (block[0] + block[4] + block[8]) / 3;
@@ -135,7 +184,7 @@ std::string System::factor_tangent(const NodeValues& d) {
   require_finite(d, "what is added to the tangent", "the integrator", "");
   const Stopwatch watch(impl_->times.factorisation, "factorisation");
   impl_->make_tangent_solver();
-  return impl_->tangent_solver->factor(impl_->tangent, d);
+  return impl_->tangent_solver->factor(d);
 }
 
 std::string System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
@@ -152,7 +201,15 @@ std::string System::solve_tangent_to(double tolerance, const NodeValues& d, cons
   std::string reason;
   {
     const Stopwatch watch(impl_->times.factorisation, "preparing the solver");
-    reason = solver.factor_to_tolerance(impl_->tangent, d, std::exchange(impl_->renews, false));
+    const bool renews = std::exchange(impl_->renews, false);
+    if (!impl_->tangent_is_whole) {
+      impl_->solver_diagonal = d + impl_->tangent_diagonal;
+      reason = solver.factor_to_tolerance(impl_->solver_diagonal, renews);
+    } else {
+      if (solver.takes_rows() && !std::exchange(impl_->solver_has_tangent, true))
+        solver.put(impl_->tangent);
+      reason = solver.factor_to_tolerance(d, renews);
+    }
   }
   return reason.empty() ? solve_tangent_again(tolerance, b, x) : reason;
 }
@@ -184,8 +241,7 @@ System::Stability System::stability() {
   for (int c = 0; c < 3; ++c) mass.col(c) = impl_->parts.mass;
   const Unknowns& unknowns = impl_->tangent_solver->unknowns();
   const Eigen::VectorXd m = unknowns.reduced(mass);
-  const LowestEigenvalue lowest =
-      lowest_eigenvalue(impl_->tangent_solver->reduced(impl_->tangent, zero), m);
+  const LowestEigenvalue lowest = lowest_eigenvalue(impl_->tangent_solver->reduced(zero), m);
   return {lowest.value, lowest.negative,
           lowest.vector.size() == 0 ? NodeVectors(NodeVectors::Zero(nodes(), 3))
                                     : unknowns.expanded(lowest.vector)};
@@ -276,9 +332,9 @@ void System::accelerate(const NodeVectors& f, NodeVectors& acceleration) {
       none.row_begin.push_back(static_cast<std::int32_t>(a + 1));
     }
     none.value.assign(9 * static_cast<std::size_t>(nodes()), 0.0);
-    impl_->mass_solver.emplace(*impl_->map, none, std::vector<Freedom>{},
-                               impl_->parts.make_solvers);
-    const std::string reason = impl_->mass_solver->factor(none, impl_->parts.mass);
+    impl_->mass_solver.emplace(*impl_->map, none, std::vector<Freedom>{}, impl_->parts.make_solvers,
+                               [&none]() -> const BlockMatrix& { return none; });
+    const std::string reason = impl_->mass_solver->factor(impl_->parts.mass);
     if (!reason.empty())
       throw Error(ExitCode::diverged, "the matrix of masses cannot be factorised: " + reason);
   }

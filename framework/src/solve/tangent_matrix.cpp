@@ -10,29 +10,23 @@
 
 namespace deform {
 
-bool TangentMatrix::gather(const TangentSchedule::Group& group, const double* h, double* rows,
-                           BlockMatrix& k, bool adds) const {
+BlockRows TangentMatrix::gather(const TangentSchedule::Group& group, const double* h,
+                                double* rows) const {
   const Index width = group.size == 1 ? 1 : kRowLanes;
-  const std::int32_t* const begin = k.row_begin.data() + group.row;
-  const Index numbers = 9 * Index{begin[1] - begin[0]};
-  std::fill_n(rows, numbers * width, 0.0);
+  const std::int32_t* const begin = pattern_->row_begin.data() + group.row;
+  std::fill_n(rows, 9 * Index{begin[1] - begin[0]} * width, 0.0);
   const std::uint32_t* places = schedule_->places(group.place);
   for (std::size_t set = 0; set < sets_.size(); ++set) {
     const TangentPlan& plan = schedule_->plan(group.plan + set);
     (width == 1 ? add_to_row : add_to_rows)(plan, h, places, rows);
     places += plan.samples.size();
   }
-  std::array<double*, kRowLanes> to{};
-  for (Index q = 0; q < group.size; ++q)
-    to[static_cast<std::size_t>(q)] = k.value.data() + 9 * Index{begin[q]};
-  return width == 1 ? store_row(rows, numbers, to[0], adds)
-                    : store_rows(rows, group.size, numbers, to.data(), adds);
+  return {group.row, group.size, rows, width};
 }
 
-bool TangentMatrix::assemble_segment(const TangentSchedule::Segment& segment,
-                                     std::span<const Geometries> geometries, Tangent kind,
-                                     const std::vector<double>& factors, BlockMatrix& k,
-                                     bool adds) const {
+bool TangentMatrix::make_segment(const TangentSchedule::Segment& segment,
+                                 std::span<const Geometries> geometries, Tangent kind,
+                                 const std::vector<double>& factors, const TakeRows& take) const {
   const TangentSchedule& schedule = *schedule_;
   // Kept by each thread from call to call: no allocation once they are large enough.
   thread_local std::vector<double> h, rows;
@@ -47,25 +41,37 @@ bool TangentMatrix::assemble_segment(const TangentSchedule::Segment& segment,
                                h.data() + span.place, kSampleLanes);
     }
     for (std::size_t g = at.group; g < at.group_end; ++g)
-      is_finite &= gather(schedule.groups()[g], h.data(), rows.data(), k, adds);
+      is_finite &= take(gather(schedule.groups()[g], h.data(), rows.data()));
   }
   return is_finite;
 }
 
-bool TangentMatrix::assemble(std::span<const Geometries> geometries, Tangent kind,
-                             const std::vector<double>& factors, BlockMatrix& k, bool adds) const {
+bool TangentMatrix::make_rows(std::span<const Geometries> geometries, Tangent kind,
+                              const std::vector<double>& factors, const TakeRows& take) const {
   const std::vector<TangentSchedule::Segment>& segments = schedule_->segments();
   std::atomic<bool> is_finite = true;
   parallel_blocks(static_cast<Index>(segments.size()), 1, [&](Index i, Index /*one*/) {
     // A plugin that waits for tasks of its own must not take another segment meanwhile: both would
     // use the thread's buffers.
     tbb::this_task_arena::isolate([&] {
-      if (!assemble_segment(segments[static_cast<std::size_t>(i)], geometries, kind, factors, k,
-                            adds))
+      if (!make_segment(segments[static_cast<std::size_t>(i)], geometries, kind, factors, take))
         is_finite = false;
     });
   });
   return is_finite;
+}
+
+bool TangentMatrix::assemble(std::span<const Geometries> geometries, Tangent kind,
+                             const std::vector<double>& factors, BlockMatrix& k, bool adds) const {
+  return make_rows(geometries, kind, factors, [&](const BlockRows& rows) {
+    const std::int32_t* const begin = k.row_begin.data() + rows.row;
+    const Index numbers = 9 * Index{begin[1] - begin[0]};
+    std::array<double*, kRowLanes> to{};
+    for (Index q = 0; q < rows.size; ++q)
+      to[static_cast<std::size_t>(q)] = k.value.data() + 9 * Index{begin[q]};
+    return rows.lanes == 1 ? store_row(rows.value, numbers, to[0], adds)
+                           : store_rows(rows.value, rows.size, numbers, to.data(), adds);
+  });
 }
 
 }  // namespace deform

@@ -1,6 +1,7 @@
 /// Makes the matrix of a tangent from the terms on all sample sets.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -15,24 +16,35 @@ class TangentMatrix {
  public:
   void add(const JetAssembler& terms) { sets_.emplace_back(terms); }
   [[nodiscard]] const std::vector<TangentAssembler>& sets() const { return sets_; }
-  /// Once all sets are there: finds out how rows of matrices of that pattern are made.
-  void bind(const BlockMatrix& pattern) { schedule_.emplace(sets_, pattern); }
+  /// Once all sets are there: finds out how rows of matrices of that pattern are made, which must
+  /// live as long as this.
+  void bind(const BlockMatrix& pattern) {
+    pattern_ = &pattern;
+    schedule_.emplace(sets_, pattern);
+  }
 
-  /// K = Σ D_mᵀ A h_mn D_n over sets, blocks of the pattern that none adds to becoming 0; or K += Σ
-  /// with `adds`. `geometries`: one a set; `factors`: what each term of the scene is multiplied by,
-  /// 1 where empty. Returns whether all that was written is finite.
+  /// Takes some rows; returns whether all of their numbers are finite. Called from several threads
+  /// at once, for different rows.
+  using TakeRows = std::function<bool(const BlockRows&)>;
+  /// Makes each row of K = Σ D_mᵀ A h_mn D_n, the sum being over sets. `geometries`: one a set;
+  /// `factors`: what each term of the scene is multiplied by, 1 where empty. Returns whether all
+  /// rows are finite.
+  bool make_rows(std::span<const Geometries> geometries, Tangent kind,
+                 const std::vector<double>& factors, const TakeRows& take) const;
+  /// The same to a matrix of the pattern, blocks that none adds to becoming 0; or K += Σ with
+  /// `adds`.
   bool assemble(std::span<const Geometries> geometries, Tangent kind,
                 const std::vector<double>& factors, BlockMatrix& k, bool adds = false) const;
 
  private:
-  [[nodiscard]] bool assemble_segment(const TangentSchedule::Segment& segment,
-                                      std::span<const Geometries> geometries, Tangent kind,
-                                      const std::vector<double>& factors, BlockMatrix& k,
-                                      bool adds) const;
-  [[nodiscard]] bool gather(const TangentSchedule::Group& group, const double* h, double* rows,
-                            BlockMatrix& k, bool adds) const;
+  [[nodiscard]] bool make_segment(const TangentSchedule::Segment& segment,
+                                  std::span<const Geometries> geometries, Tangent kind,
+                                  const std::vector<double>& factors, const TakeRows& take) const;
+  [[nodiscard]] BlockRows gather(const TangentSchedule::Group& group, const double* h,
+                                 double* rows) const;
 
   std::vector<TangentAssembler> sets_;
+  const BlockMatrix* pattern_ = nullptr;
   std::optional<TangentSchedule> schedule_;
 };
 

@@ -150,8 +150,21 @@ DEFORM_KERNEL bool move_row(const double* __restrict row, Index numbers, double*
   return is_finite;
 }
 
+/// 0 times what is there, added up, is not 0 where some is not finite.
+DEFORM_KERNEL bool are_finite(const double* rows, Index size, Index numbers, Index lanes) {
+  double zeros[kRowLanes]{};
+  for (Index q = 0; q < numbers; ++q)
+    for (Index k = 0; k < size; ++k) zeros[k] += 0.0 * rows[q * lanes + k];
+  double zero = 0;
+  for (Index k = 0; k < size; ++k) zero += zeros[k];
+  return zero == 0;
+}
+
 }  // namespace
 
+bool rows_are_finite(const double* rows, Index size, Index numbers, Index lanes) {
+  return are_finite(rows, size, numbers, lanes);
+}
 void add_to_rows(const TangentPlan& plan, const double* h, const std::uint32_t* places,
                  double* rows) {
   add_samples(plan, h, places, rows);

@@ -63,6 +63,8 @@ void add_to_rows(const TangentPlan& plan, const double* h, const std::uint32_t* 
                               bool adds);
 /// Adds to one row.
 void add_to_row(const TangentPlan& plan, const double* h, const std::uint32_t* places, double* row);
+/// Whether some numbers of rows that lie side by side, as above, are finite.
+[[nodiscard]] bool rows_are_finite(const double* rows, Index size, Index numbers, Index lanes);
 /// Moves one row.
 [[nodiscard]] bool store_row(const double* row, Index numbers, double* to, bool adds);
 

@@ -1,6 +1,9 @@
 #include "solve/tangent_solver.h"
 
+#include <utility>
+
 #include "deform/log.h"
+#include "deform/parallel.h"
 
 #include "plugin/guard.h"
 #include "profile/profile.h"
@@ -32,26 +35,27 @@ ReducedMatrix reduced_matrix(const Unknowns& unknowns, const BlockMatrix& patter
 
 TangentSolver::TangentSolver(const ReductionMap& map, const BlockMatrix& pattern,
                              const std::vector<Freedom>& held,
-                             const SolverQueue::MakeSolvers& make_solvers)
+                             const SolverQueue::MakeSolvers& make_solvers, Whole whole)
     : unknowns_(map, held),
       pattern_(&pattern),
       make_solvers_(make_solvers),
+      whole_(std::move(whole)),
       rhs_(unknowns_.size(), 1),
       solution_(unknowns_.size(), 1) {}
 
-const SparseMatrix& TangentSolver::reduced(const BlockMatrix& k, const NodeValues& d) {
+const SparseMatrix& TangentSolver::reduced(const NodeValues& d) {
   const Span span("matrix filling");
   if (!matrix_) matrix_.emplace(reduced_matrix(unknowns_, *pattern_));
-  matrix_->fill(k.value, d);
+  matrix_->fill(whole_().value, d);
   return matrix_->matrix();
 }
 
-std::string TangentSolver::factor(const BlockMatrix& k, const NodeValues& d) {
+std::string TangentSolver::factor(const NodeValues& d) {
   if (!solvers_)
     solvers_.emplace(
         make_solvers_,
         MatrixTraits{.size = unknowns_.size(), .symmetric = true, .positive_definite = true});
-  return solvers_->factor_with_first(reduced(k, d));
+  return solvers_->factor_with_first(reduced(d));
 }
 
 void TangentSolver::choose_block_solver() {
@@ -76,13 +80,27 @@ void TangentSolver::choose_block_solver() {
             std::to_string(pattern_->column.size()) + " blocks, to a tolerance)";
 }
 
-std::string TangentSolver::factor_to_tolerance(const BlockMatrix& k, const NodeValues& d,
-                                               bool renew) {
+bool TangentSolver::takes_rows() {
   if (!has_chosen_) choose_block_solver();
-  if (!iterative_.object) return factor(k, d);
-  k_ = &k, d_ = d;
+  return iterative_.object != nullptr;
+}
+
+void TangentSolver::put(const BlockRows& rows) {
+  guarded(iterative_.origin, "taking rows of a matrix",
+          [&] { iterative_.object->blocks()->put(rows); });
+}
+
+void TangentSolver::put(const BlockMatrix& k) {
+  parallel_blocks(k.nodes, kBlock, [&](Index first, Index size) {
+    for (Index a = first; a < first + size; ++a) put(k.row(a));
+  });
+}
+
+std::string TangentSolver::factor_to_tolerance(const NodeValues& d, bool renew) {
+  if (!takes_rows()) return factor(d);
+  d_ = d;
   guarded(iterative_.origin, "preparing to solve",
-          [&] { iterative_.object->blocks()->factor(k, d, renew); });
+          [&] { iterative_.object->blocks()->factor(d, renew); });
   return "";
 }
 
@@ -98,7 +116,7 @@ std::string TangentSolver::solve_to_tolerance(double tolerance, const NodeVector
     if (outcome == Outcome::solved && x.allFinite()) return "";
     if (handovers_++ == 0)
       log::info("solver " + iterative_.name + " leaves a matrix to a factorisation");
-    std::string reason = factor(*k_, d_);
+    std::string reason = factor(d_);
     if (!reason.empty()) return reason;
   }
   return solve(b, x);

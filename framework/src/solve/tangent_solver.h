@@ -1,6 +1,7 @@
 /// Solves (K + diag(d)) x = b with a tangent K of 3 × 3 blocks, on the free degrees of freedom.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,23 +19,31 @@ namespace deform {
 /// where one suits the size and nothing is tied.
 class TangentSolver {
  public:
+  /// Gives K where a factorisation needs it.
+  using Whole = std::function<const BlockMatrix&()>;
   /// `held`: unknowns that stay where they are, so that the surface does not move as a rigid body.
   TangentSolver(const ReductionMap& map, const BlockMatrix& pattern,
-                const std::vector<Freedom>& held, const SolverQueue::MakeSolvers& make_solvers);
+                const std::vector<Freedom>& held, const SolverQueue::MakeSolvers& make_solvers,
+                Whole whole);
 
   [[nodiscard]] const Unknowns& unknowns() const { return unknowns_; }
 
   /// d: (N) for all three components. Returns "" or why the matrix is not positive definite.
-  [[nodiscard]] std::string factor(const BlockMatrix& k, const NodeValues& d);
+  [[nodiscard]] std::string factor(const NodeValues& d);
   /// x = T y with Tᵀ(K + diag(d))T y = Tᵀb, of the last factor that could; b (N × 3), x (N × 3).
   [[nodiscard]] std::string solve(const NodeVectors& b, NodeVectors& x);
 
-  /// The same for solutions whose error is reduced to a tolerance. `renew`: nothing that was
-  /// prepared for earlier matrices may be used. k stays as it is until the next call. Both return
-  /// "" or why the matrix is not positive definite, which an iterative solver may find only in the
-  /// end.
-  [[nodiscard]] std::string factor_to_tolerance(const BlockMatrix& k, const NodeValues& d,
-                                                bool renew);
+  /// Whether solutions to a tolerance are by a solver that wants the rows of K, by `put`, before
+  /// `factor_to_tolerance`.
+  [[nodiscard]] bool takes_rows();
+  /// Thread-safe for different rows.
+  void put(const BlockRows& rows);
+  /// All rows.
+  void put(const BlockMatrix& k);
+  /// The same as `factor` and `solve` for solutions whose error is reduced to a tolerance. `renew`:
+  /// nothing that was prepared for earlier matrices may be used. Both return "" or why the matrix
+  /// is not positive definite, which an iterative solver may find only in the end.
+  [[nodiscard]] std::string factor_to_tolerance(const NodeValues& d, bool renew);
   [[nodiscard]] std::string solve_to_tolerance(double tolerance, const NodeVectors& b,
                                                NodeVectors& x);
   /// Who solves to a tolerance, and why; "" where that is the factorisation.
@@ -43,7 +52,7 @@ class TangentSolver {
   [[nodiscard]] long iterations() const { return iterations_; }
 
   /// Tᵀ(K + diag(d))T, for eigenvalues.
-  [[nodiscard]] const SparseMatrix& reduced(const BlockMatrix& k, const NodeValues& d);
+  [[nodiscard]] const SparseMatrix& reduced(const NodeValues& d);
 
  private:
   void choose_block_solver();
@@ -56,8 +65,8 @@ class TangentSolver {
   Named<LinearSolver> iterative_;  // null where none suits
   bool has_chosen_ = false;
   std::string choice_;
-  const BlockMatrix* k_ = nullptr;  // what the iterative solver has …
-  NodeValues d_;                    // … in case that it cannot
+  Whole whole_;
+  NodeValues d_;  // that the iterative solver has, in case that it cannot
   long iterations_ = 0;
   long handovers_ = 0;
   Eigen::MatrixXd rhs_, solution_;

@@ -63,7 +63,8 @@ TurningStep::TurningStep(const Surface& surface, const NodeVectors& rest, const 
                          const SolverQueue::MakeSolvers& make_solvers)
     : links_(links_of(surface.faces(), rest)),
       laplacian_(pattern_of(links_, surface.nodes())),
-      solver_(map, laplacian_, held, make_solvers) {
+      solver_(map, laplacian_, held, make_solvers,
+              [this]() -> const BlockMatrix& { return laplacian_; }) {
   double sum = 0;
   for (const auto& [a, b, weight] : links_) {
     const Eigen::Matrix3d block = weight * Eigen::Matrix3d::Identity();
@@ -102,6 +103,11 @@ double TurningStep::aim(const NodeVectors& r, const NodeVectors& d) {
   return largest;
 }
 
+std::string TurningStep::prepare() {
+  if (solver_.takes_rows()) solver_.put(laplacian_);
+  return solver_.factor_to_tolerance(regular_, true);
+}
+
 void TurningStep::take(double s, NodeVectors& r) {
   r = from_ + s * direction_;
   pull_.setZero(r.rows(), 3);
@@ -114,7 +120,7 @@ void TurningStep::take(double s, NodeVectors& r) {
     pull_.row(b) += left;
   }
   std::string reason;
-  if (!is_prepared_) reason = solver_.factor_to_tolerance(laplacian_, regular_, true);
+  if (!is_prepared_) reason = prepare();
   is_prepared_ = reason.empty();
   if (is_prepared_) reason = solver_.solve_to_tolerance(kTolerance, pull_, correction_);
   if (!reason.empty())

@@ -35,6 +35,7 @@ class TurningStep {
   void take(double s, NodeVectors& r);
 
  private:
+  [[nodiscard]] std::string prepare();
   std::vector<Link> links_;
   BlockMatrix laplacian_;
   NodeValues regular_;  // (N) [1/m²], added to it

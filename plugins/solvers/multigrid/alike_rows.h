@@ -7,9 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "lanes.h"
+#include <deform/types.h>
 
 namespace multigrid {
+
+using deform::Index;
 
 /// Rows whose columns lie equally far from the first, with the same weights, share these: what is
 /// left of a row is a few bytes.
@@ -26,19 +28,17 @@ class AlikeRows {
     const Kind kind = kind_[static_cast<std::size_t>(row)];
     return kind.end - kind.begin;
   }
-  [[nodiscard]] Entry entry(Index row, std::size_t k) const {
-    const auto r = static_cast<std::size_t>(row);
-    const Entry& shared = shared_[kind_[r].begin + k];
-    return {first_[r] + shared.column, shared.weight};
+  /// Column of a row's first entry.
+  [[nodiscard]] std::int32_t first(Index row) const {
+    return first_[static_cast<std::size_t>(row)];
   }
-  /// The row's product with a vector of nodes.
-  [[nodiscard]] Lanes product(Index row, const LaneVector& x) const {
-    const auto r = static_cast<std::size_t>(row);
-    const float* from = x.data() + 4 * static_cast<std::size_t>(first_[r]);
-    Lanes sum;
-    for (std::size_t k = kind_[r].begin; k < kind_[r].end; ++k)
-      sum += shared_[k].weight * Lanes::load(from + std::ptrdiff_t{4} * shared_[k].column);
-    return sum;
+  /// Columns less the first, and weights.
+  [[nodiscard]] std::span<const Entry> shared(Index row) const {
+    return std::span(shared_).subspan(kind_[static_cast<std::size_t>(row)].begin, size(row));
+  }
+  [[nodiscard]] Entry entry(Index row, std::size_t k) const {
+    const Entry& e = shared(row)[k];
+    return {first(row) + e.column, e.weight};
   }
   /// Whether the weights are those of another row and the columns by as much further as the first.
   [[nodiscard]] bool are_alike(Index row, Index other) const {

@@ -6,76 +6,68 @@
 namespace multigrid {
 namespace {
 
-/// Both triangles of a symmetric pattern of which `half` is the upper one.
-Pattern both_triangles(const deform::BlockMatrix& half) {
-  const auto nodes = static_cast<std::size_t>(half.nodes);
-  std::vector<std::int32_t> size(nodes, 0);
-  for (std::size_t a = 0; a < nodes; ++a)
-    for (auto p = half.row_begin[a]; p < half.row_begin[a + 1]; ++p) {
-      const auto b = static_cast<std::size_t>(half.column[static_cast<std::size_t>(p)]);
-      ++size[a];
-      if (b != a) ++size[b];
-    }
-  Pattern full;
-  full.nodes = half.nodes;
-  for (const std::int32_t s : size) full.begin.push_back(full.begin.back() + s);
-  full.column.resize(static_cast<std::size_t>(full.begin.back()));
-  std::vector<std::int32_t> next(full.begin.begin(), full.begin.end() - 1);
-  // Rows come in ascending order, so the columns below the diagonal do, and come first.
-  for (std::size_t a = 0; a < nodes; ++a)
-    for (auto p = half.row_begin[a] + 1; p < half.row_begin[a + 1]; ++p) {
-      const auto b = static_cast<std::size_t>(half.column[static_cast<std::size_t>(p)]);
-      full.column[static_cast<std::size_t>(next[b]++)] = static_cast<std::int32_t>(a);
-    }
-  for (std::size_t a = 0; a < nodes; ++a)
-    for (auto p = half.row_begin[a]; p < half.row_begin[a + 1]; ++p)
-      full.column[static_cast<std::size_t>(next[a]++)] = half.column[static_cast<std::size_t>(p)];
-  return full;
-}
+/// Rows that one task takes.
+constexpr Index kRows = 4096;
 
-std::vector<Mask> masks_of(const std::vector<std::uint8_t>& held) {
-  std::vector<Mask> masks;
-  for (std::size_t a = 0; a < held.size(); ++a) {
-    if (held[a] == 0) continue;
-    Mask mask{static_cast<std::int32_t>(a), {}};
-    for (int c = 0; c < 3; ++c) mask.factor.set(c, (held[a] >> c & 1) != 0 ? 0.0F : 1.0F);
-    masks.push_back(mask);
-  }
-  return masks;
+std::vector<Held> nodes_held(const std::vector<std::uint8_t>& components) {
+  std::vector<Held> held;
+  for (std::size_t a = 0; a < components.size(); ++a)
+    if (components[a] != 0) held.push_back({static_cast<std::int32_t>(a), components[a]});
+  return held;
 }
 
 }  // namespace
 
 BlockSystem::BlockSystem(const deform::BlockMatrix& pattern, const std::vector<std::uint8_t>& held,
                          const std::vector<deform::Prolongation>& coarsening, Limits limits)
-    : limits_(limits) {
-  cycle_.emplace(both_triangles(pattern), masks_of(held), coarsening, Finest::additive);
-  const Level<Block>& full = cycle_->finest();
-  for (Index a = 0; a < pattern.nodes; ++a)
-    for (auto p = pattern.row_begin[static_cast<std::size_t>(a)];
-         p < pattern.row_begin[static_cast<std::size_t>(a) + 1]; ++p) {
-      const Index b = pattern.column[static_cast<std::size_t>(p)];
-      upper_.push_back(full.place(a, b));
-      lower_.push_back(full.place(b, a));
-    }
-  b_.assign(pattern.nodes);
+    : limits_(limits),
+      pattern_{pattern.nodes, pattern.row_begin, pattern.column},
+      diagonal_(pattern.nodes, 3) {
+  cycle_.emplace(pattern_, nodes_held(held), coarsening, Finest::additive);
+  cycle_->finest().assign(b_);
+  cycle_->finest().assign(x_);
+  gradients_.assign(pattern.nodes, b_.stride());
 }
 
-void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues& d, bool renew) {
+void BlockSystem::put(const deform::BlockRows& rows) {
+  const Strips& strips = cycle_->finest().strips;
+  for (Index k = 0; k < rows.size;) {
+    const Strips::Strip& strip = strips.strip_of(rows.row + k);
+    const Index size = std::min(rows.size - k, strip.row + strip.size - rows.row - k);
+    put_in_strip(rows, k, size);
+    k += size;
+  }
+}
+
+/// `size` of the rows, from one on, which lie in one strip.
+void BlockSystem::put_in_strip(const deform::BlockRows& rows, Index skipped, Index size) {
   Level<Block>& level = cycle_->finest();
-  deform::parallel_blocks(a.nodes, kRows, [&](Index first, Index size) {
-    for (Index row = first; row < first + size; ++row) {
-      const auto begin = static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(row)]);
-      const Index blocks = a.row_begin[static_cast<std::size_t>(row) + 1] -
-                           a.row_begin[static_cast<std::size_t>(row)];
-      const double* from = a.value.data() + 9 * begin;
-      write_blocks(from, upper_.data() + begin, lower_.data() + begin, blocks, level.value.data());
-      // The diagonal block, which comes first, is its own mirror image.
-      float* diagonal = level.value.data() + Block::start(upper_[begin]);
-      for (int c = 0; c < 3; ++c)
-        diagonal[(Block::kStride + 1) * c] = static_cast<float>(from[4 * c] + d[row]);
-    }
-  });
+  const Index row = rows.row + skipped;
+  const Strips::Strip& strip = level.strips.strip_of(row);
+  const double* from = rows.value + skipped;
+  for (int c = 0; c < 3; ++c)
+    for (Index k = 0; k < size; ++k) diagonal_(row + k, c) = from[4 * c * rows.lanes + k];
+  for (const std::int32_t b : pattern_.columns(row)) {
+    const Index entry = level.strips.entry(strip, b - static_cast<std::int32_t>(row));
+    float* to = level.value.data() + 9 * (strip.begin + entry * strip.lanes) + row - strip.row;
+    for (int q = 0; q < 9; ++q, from += rows.lanes, to += strip.lanes) narrow(size, from, to);
+  }
+}
+
+void BlockSystem::factor(const deform::NodeValues& d, bool renew) {
+  Level<Block>& level = cycle_->finest();
+  deform::parallel_blocks(
+      static_cast<Index>(level.strips.chunks().size()), 1, [&](Index i, Index /*one*/) {
+        const Strips::Chunk& chunk = level.strips.chunks()[static_cast<std::size_t>(i)];
+        for (std::size_t s = chunk.strip; s < chunk.strip_end; ++s) {
+          const Strips::Strip& strip = level.strips.strips()[s];
+          for (Index c = 0; c < 3; ++c) {
+            float* const to = level.value.data() + 9 * strip.begin + 4 * c * strip.lanes;
+            for (Index k = 0; k < strip.size; ++k)
+              to[k] = static_cast<float>(diagonal_(strip.row + k, c) + d[strip.row + k]);
+          }
+        }
+      });
   is_old_ = is_made_ && !renew;
   is_made_ = true;
   cycle_->renew(!is_old_);
@@ -84,11 +76,10 @@ void BlockSystem::factor(const deform::BlockMatrix& a, const deform::NodeValues&
 Ending BlockSystem::iterate(double tolerance, int most) {
   Level<Block>& level = cycle_->finest();
   level.f = b_;
-  x_.set_zero(b_.quads());
-  const Ending end = gradients_.solve([&](const LaneVector& y, Index first, Index size,
-                                          LaneVector& out) { level.multiply(y, first, size, out); },
-                                      [&] { return cycle_->run(); }, level.f, level.x, x_,
-                                      {.part = tolerance}, most);
+  x_.set_zero();
+  const Ending end = gradients_.solve(
+      [&](const Field<float>& y, Field<float>& out) { return level.multiply(y, out); },
+      [&] { return cycle_->run(); }, level.f, level.x, x_, {.part = tolerance}, most);
   iterations_ += end.iterations;
   return end;
 }
@@ -103,9 +94,13 @@ deform::Outcome BlockSystem::solve(const deform::NodeVectors& b, double toleranc
     x.setZero();
     return deform::Outcome::solved;
   }
-  deform::parallel_blocks(b.rows(), kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a)
-      for (int c = 0; c < 3; ++c) b_(a, c) = static_cast<float>(b(a, c) / largest);
+  const auto each_component = [&](const auto& visit) {
+    deform::parallel_blocks(b.rows(), kRows, [&](Index first, Index size) {
+      for (Index c = 0; c < 3; ++c) visit(first, size, c);
+    });
+  };
+  each_component([&](Index first, Index size, Index c) {
+    for (Index a = first; a < first + size; ++a) b_(a, c) = static_cast<float>(b(a, c) / largest);
   });
   cycle_->finest().mask(b_);
   Ending end = iterate(tolerance, is_old_ ? limits_.patience : limits_.iterations);
@@ -119,9 +114,8 @@ deform::Outcome BlockSystem::solve(const deform::NodeVectors& b, double toleranc
     return deform::Outcome::indefinite;
   }
   if (!end.has_converged) return deform::Outcome::unfinished;
-  deform::parallel_blocks(b.rows(), kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a)
-      for (int c = 0; c < 3; ++c) x(a, c) = largest * static_cast<double>(x_(a, c));
+  each_component([&](Index first, Index size, Index c) {
+    for (Index a = first; a < first + size; ++a) x(a, c) = largest * static_cast<double>(x_(a, c));
   });
   return deform::Outcome::solved;
 }

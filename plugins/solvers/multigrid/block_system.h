@@ -20,19 +20,22 @@ class BlockSystem {
   BlockSystem(const deform::BlockMatrix& pattern, const std::vector<std::uint8_t>& held,
               const std::vector<deform::Prolongation>& coarsening, Limits limits);
 
-  void factor(const deform::BlockMatrix& a, const deform::NodeValues& d, bool renew);
+  void put(const deform::BlockRows& rows);
+  void factor(const deform::NodeValues& d, bool renew);
   [[nodiscard]] deform::Outcome solve(const deform::NodeVectors& b, double tolerance,
                                       deform::NodeVectors& x);
   [[nodiscard]] int iterations() const { return iterations_; }
 
  private:
+  void put_in_strip(const deform::BlockRows& rows, Index skipped, Index size);
   [[nodiscard]] Ending iterate(double tolerance, int most);
 
   Limits limits_;
-  std::vector<std::int32_t> upper_, lower_;  // places of each block and of its mirror image
+  Pattern pattern_;
+  deform::NodeVectors diagonal_;  // what `factor` adds d to
   std::optional<Cycle<Block>> cycle_;
   ConjugateGradients gradients_;
-  LaneVector b_, x_;
+  Field<float> b_, x_;
   bool is_old_ = false;  // the coarse levels are of an earlier matrix
   bool is_made_ = false;
   int iterations_ = 0;

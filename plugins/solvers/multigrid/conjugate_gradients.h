@@ -2,9 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <vector>
 
-#include "level.h"
+#include <deform/parallel.h>
+
+#include "field.h"
+#include "field_kernels.h"
 
 namespace multigrid {
 
@@ -24,28 +26,29 @@ struct Ending {
 /// Keeps its vectors from call to call.
 class ConjugateGradients {
  public:
+  void assign(Index nodes, Index stride) {
+    p_.assign(nodes, stride);
+    q_.assign(nodes, stride);
+  }
+
   /// Adds to x, in its precision, what takes its residual r away; what is left of that is in r
-  /// then. multiply(y, first, size, out): A y for some quads; precondition(): z ≈ A⁻¹ r, returns
-  /// r·z. Sums are taken in an order that does not depend on threads.
-  template <class Multiply, class Precondition, class Vector>
-  Ending solve(const Multiply& multiply, const Precondition& precondition, LaneVector& r,
-               const LaneVector& z, Vector& x, Goal goal, int most) {
-    q_.resize(r.quads());
+  /// then. multiply(p, q): q = A p, returns p·q; precondition(): z ≈ A⁻¹ r, returns r·z. Both sum
+  /// in an order that does not depend on threads.
+  template <class Multiply, class Precondition, class Number>
+  Ending solve(const Multiply& multiply, const Precondition& precondition, Field<float>& r,
+               const Field<float>& z, Field<Number>& x, Goal goal, int most) {
     double rz = precondition();
     const double enough = std::max(goal.part * goal.part * rz, goal.absolute);
     Ending end{0, rz <= enough, !(rz >= 0), rz, rz};
     if (!end.has_converged) p_ = z;
     while (!end.has_converged && !end.is_indefinite && end.iterations < most) {
-      const double curvature = sums_(r.quads(), [&](Index first, Index size) {
-        multiply(p_, first, size, q_);
-        return dot(p_.data(), q_.data(), first, first + size);
-      });
+      const double curvature = multiply(p_, q_);
       end.is_indefinite = !(curvature > 0);
       if (end.is_indefinite) break;
       const auto alpha = static_cast<float>(rz / curvature);
-      deform::parallel_blocks(r.quads(), kQuads, [&](Index first, Index size) {
-        add(alpha, p_.data(), first, first + size, x.data());
-        add(-alpha, q_.data(), first, first + size, r.data());
+      each_part([&](Index c, Index first, Index size) {
+        add(size, alpha, p_.data(c) + first, x.data(c) + first);
+        add(size, -alpha, q_.data(c) + first, r.data(c) + first);
       });
       ++end.iterations;
       const double next = precondition();
@@ -54,16 +57,23 @@ class ConjugateGradients {
       const auto beta = static_cast<float>(next / rz);
       rz = end.last = next;
       if (end.has_converged) break;
-      deform::parallel_blocks(r.quads(), kQuads, [&](Index first, Index size) {
-        scale_and_add(beta, z.data(), first, first + size, p_.data());
+      each_part([&](Index c, Index first, Index size) {
+        scale_and_add(size, beta, z.data(c) + first, p_.data(c) + first);
       });
     }
     return end;
   }
 
  private:
-  LaneVector p_, q_;
-  Sums sums_;
+  template <class Body>
+  void each_part(const Body& body) const {
+    constexpr Index kNodes = 4096;
+    deform::parallel_blocks(p_.nodes(), kNodes, [&](Index first, Index size) {
+      for (Index c = 0; c < 3; ++c) body(c, first, size);
+    });
+  }
+
+  Field<float> p_, q_;
 };
 
 }  // namespace multigrid

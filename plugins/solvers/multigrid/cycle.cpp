@@ -10,27 +10,30 @@ constexpr Index kDirect = 30;
 constexpr int kStepsOnCoarsest = 20;
 
 /// A coarse node is held as the fine one that it is.
-std::vector<Mask> coarse_masks(const std::vector<Mask>& fine, const Galerkin& to) {
-  std::vector<Mask> masks;
-  for (const Mask& m : fine)
-    if (const std::int32_t c = to.same(m.node); c >= 0) masks.push_back({c, m.factor});
-  std::ranges::sort(masks, {}, &Mask::node);
-  return masks;
+std::vector<Held> coarse_nodes_held(const std::vector<Held>& fine, const Galerkin& to) {
+  std::vector<Held> held;
+  for (const Held& h : fine)
+    if (const std::int32_t c = to.same(h.node); c >= 0) held.push_back({c, h.components});
+  std::ranges::sort(held, {}, &Held::node);
+  return held;
 }
 
 }  // namespace
 
 template <class Entry>
-Cycle<Entry>::Cycle(Pattern finest, std::vector<Mask> held,
+Cycle<Entry>::Cycle(const Pattern& finest, std::vector<Held> held,
                     const std::vector<deform::Prolongation>& coarsening, Finest treatment)
     : levels_(1), treatment_(treatment) {
-  levels_.front().prepare(std::move(finest), std::move(held));
+  levels_.front().prepare(finest, std::move(held));
+  Pattern pattern = finest;
   for (const deform::Prolongation& p : coarsening) {
-    if (levels_.back().pattern.nodes <= kDirect) break;
-    between_.emplace_back(levels_.back().pattern, levels_.back().quads, p);
-    Level<Entry> next;
-    next.prepare(between_.back().coarse(), coarse_masks(levels_.back().held, between_.back()));
-    levels_.push_back(std::move(next));
+    Level<Entry>& fine = levels_.back();
+    if (fine.nodes() <= kDirect) break;
+    Galerkin& to = between_.emplace_back(pattern, p);
+    pattern = to.coarse();
+    Level<Entry>& coarse = levels_.emplace_back();
+    coarse.prepare(pattern, coarse_nodes_held(fine.held, to));
+    to.bind(fine.strips, coarse.strips, Entry::kNumbers);
   }
 }
 
@@ -40,7 +43,7 @@ void Cycle<Entry>::renew(bool coarse_levels) {
   if (!coarse_levels) return;
   if constexpr (std::same_as<Entry, Scalar>) levels_.front().choose_damping_by_rows();
   for (std::size_t l = 1; l < levels_.size(); ++l) {
-    between_[l - 1].multiply(levels_[l - 1], levels_[l]);
+    between_[l - 1].template multiply<Entry>(levels_[l - 1].value, levels_[l].value);
     levels_[l].finish();
     levels_[l].choose_damping();
   }
@@ -50,25 +53,24 @@ void Cycle<Entry>::renew(bool coarse_levels) {
 template <class Entry>
 void Cycle<Entry>::factor_coarsest() {
   const Level<Entry>& level = levels_.back();
-  const Index n = level.pattern.nodes;
+  const Index n = level.nodes();
   if (n > kDirect) return;
-  constexpr Index kComponents = Entry::kColumns;
+  constexpr Index kComponents = Entry::kComponents;
   Eigen::MatrixXd& a = coarsest_;
   a.setZero(kComponents * n, kComponents * n);
   for (Index row = 0; row < n; ++row)
-    for (auto p = level.pattern.begin[static_cast<std::size_t>(row)];
-         p < level.pattern.begin[static_cast<std::size_t>(row) + 1]; ++p) {
-      const float* value = level.value.data() + Entry::start(level.quads.place(row, p));
-      const Index column = level.pattern.column[static_cast<std::size_t>(p)];
+    for (const std::int32_t distance : level.strips.distances(level.strips.strip_of(row))) {
+      if (row + distance >= n) break;
+      const Place at = level.strips.place(row, distance, Entry::kNumbers);
       for (Index i = 0; i < kComponents; ++i)
-        for (Index j = 0; j < kComponents; ++j)
-          a(kComponents * row + i, kComponents * column + j) =
-              static_cast<double>(value[Index{Entry::kStride} * j + i]);
+        for (Index j = 0; j < kComponents; ++j) {
+          const Index number = at.first + (kComponents * i + j) * at.stride;
+          const Index p = kComponents * row + i, q = kComponents * (row + distance) + j;
+          a(p, q) = a(q, p) = static_cast<double>(level.value[static_cast<std::size_t>(number)]);
+        }
     }
   for (Index i = 0; i < a.rows(); ++i)
     if (!(a(i, i) > 0)) a.row(i).setZero(), a.col(i).setZero(), a(i, i) = 1;  // held
-  for (Index i = 0; i < a.rows(); ++i)
-    for (Index j = 0; j < i; ++j) a(i, j) = a(j, i) = 0.5 * (a(i, j) + a(j, i));
   factor_.compute(a);
   exact_inverse_.setIdentity(a.rows(), a.cols());
   factor_.solveInPlace(exact_inverse_);
@@ -85,27 +87,14 @@ void Cycle<Entry>::solve_coarsest() {
     for (int k = 0; k < kStepsOnCoarsest; ++k) level.smooth();
     return;
   }
-  constexpr Index kComponents = Entry::kColumns;
-  for (int c = 0; c < 3; c += static_cast<int>(kComponents)) {
-    for (Index a = 0; a < level.pattern.nodes; ++a)
+  constexpr Index kComponents = Entry::kComponents;
+  for (Index c = 0; c < 3; c += kComponents) {
+    for (Index a = 0; a < level.nodes(); ++a)
       for (Index i = 0; i < kComponents; ++i) f_[kComponents * a + i] = level.f(a, c + i);
     x_.noalias() = inverse_ * f_;
-    for (Index a = 0; a < level.pattern.nodes; ++a)
+    for (Index a = 0; a < level.nodes(); ++a)
       for (Index i = 0; i < kComponents; ++i) level.x(a, c + i) = x_[kComponents * a + i];
   }
-}
-
-/// x += P x_coarse; or, `from_zero`, x = ω D⁻¹ f + P x_coarse.
-template <class Entry>
-void Cycle<Entry>::correct(std::size_t l, const LaneVector& x_coarse, bool from_zero) {
-  Level<Entry>& level = levels_[l];
-  const Galerkin& to = between_[l];
-  deform::parallel_blocks(level.pattern.nodes, kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a)
-      level.x.set(a, (from_zero ? level.smoothed(a, level.f.node(a)) : level.x.node(a)) +
-                         to.prolonged(a, x_coarse));
-  });
-  level.mask(level.x);
 }
 
 template <class Entry>
@@ -115,20 +104,28 @@ void Cycle<Entry>::run_from(std::size_t l) {
   levels_[l].smooth();
 }
 
-/// A cycle but for its last step on this level.
+/// A cycle but for its last step on this level: x += P x₁ of the next, or, where it is additive,
+/// x = ω D⁻¹ f + P x₁.
 template <class Entry>
 void Cycle<Entry>::correct_from_coarser(std::size_t l) {
   Level<Entry>& level = levels_[l];
   Level<Entry>& next = levels_[l + 1];
+  const Galerkin& to = between_[l];
   const bool is_additive = l == 0 && treatment_ == Finest::additive;
   if (!is_additive) {
     level.start();
     level.find_residual();
   }
-  between_[l].restrict_to(is_additive ? level.f : level.r, next.f);
+  to.restrict_to(is_additive ? level.f : level.r, next.f);
   next.mask(next.f);
   run_from(l + 1);
-  correct(l, next.x, is_additive);
+  const std::vector<Runs::Task>& tasks = to.interpolation().tasks();
+  deform::parallel_blocks(static_cast<Index>(tasks.size()), 1, [&](Index t, Index /*one*/) {
+    const Runs::Task& task = tasks[static_cast<std::size_t>(t)];
+    if (is_additive) level.start(task.row, task.size);
+    to.interpolation().multiply(task, next.x, level.x, true);
+  });
+  level.mask(level.x);
 }
 
 template <class Entry>

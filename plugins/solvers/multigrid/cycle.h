@@ -1,12 +1,14 @@
 /// Multigrid cycles over a hierarchy of levels, as preconditioner of the finest level's matrix.
 #pragma once
 
+#include <deque>
 #include <vector>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 #include "galerkin.h"
+#include "level.h"
 
 namespace multigrid {
 
@@ -19,11 +21,14 @@ enum class Finest {
 template <class Entry>
 class Cycle {
  public:
-  /// `held`: masks of nodes with held components, ascending; `coarsening`: from fine to coarse.
-  Cycle(Pattern finest, std::vector<Mask> held, const std::vector<deform::Prolongation>& coarsening,
-        Finest treatment);
+  /// `held`: nodes with held components, ascending; `coarsening`: from fine to coarse.
+  Cycle(const Pattern& finest, std::vector<Held> held,
+        const std::vector<deform::Prolongation>& coarsening, Finest treatment);
+  Cycle(const Cycle&) = delete;
+  Cycle& operator=(const Cycle&) = delete;
 
   [[nodiscard]] Level<Entry>& finest() { return levels_.front(); }
+  [[nodiscard]] const Level<Entry>& finest() const { return levels_.front(); }
   /// The values of the finest level are there: makes those of the others, or leaves them at those
   /// of an earlier matrix.
   void renew(bool coarse_levels);
@@ -35,10 +40,9 @@ class Cycle {
   void solve_coarsest();
   void run_from(std::size_t level);
   void correct_from_coarser(std::size_t level);
-  void correct(std::size_t level, const LaneVector& x_coarse, bool from_zero);
 
-  std::vector<Level<Entry>> levels_;
-  std::vector<Galerkin> between_;  // level and the next
+  std::deque<Level<Entry>> levels_;  // their products refer to their strips
+  std::vector<Galerkin> between_;    // level and the next
   Finest treatment_;
   Eigen::MatrixXd coarsest_, exact_inverse_;
   Eigen::LLT<Eigen::MatrixXd> factor_;

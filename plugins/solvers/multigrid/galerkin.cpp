@@ -3,11 +3,17 @@
 #include <algorithm>
 #include <map>
 
+#include <deform/parallel.h>
+
+#include "entries.h"
+
 namespace multigrid {
 namespace {
 
 /// A coarse node has more than half of what it gives in the row of the fine node at its place.
 constexpr float kSame = 0.5F;
+/// Groups of coarse rows that one task makes.
+constexpr Index kGroups = 16;
 
 AlikeRows rows_of(const deform::Prolongation& p) {
   AlikeRows rows;
@@ -39,19 +45,40 @@ AlikeRows transposed_rows_of(const deform::Prolongation& p) {
   return rows;
 }
 
-void sort_unique(std::vector<std::int32_t>& values) {
+/// Both triangles of a symmetric pattern.
+Pattern both_triangles(const Pattern& half) {
+  std::vector<std::int32_t> size(static_cast<std::size_t>(half.nodes), 0);
+  for (Index a = 0; a < half.nodes; ++a)
+    for (const std::int32_t b : half.columns(a)) {
+      ++size[static_cast<std::size_t>(a)];
+      if (b != a) ++size[static_cast<std::size_t>(b)];
+    }
+  Pattern full;
+  full.nodes = half.nodes;
+  for (const std::int32_t s : size) full.begin.push_back(full.begin.back() + s);
+  full.column.resize(static_cast<std::size_t>(full.begin.back()));
+  std::vector<std::int32_t> next(full.begin.begin(), full.begin.end() - 1);
+  // Rows come in ascending order, so the columns below the diagonal do, and come first.
+  const auto add = [&](Index row, Index column) {
+    full.column[static_cast<std::size_t>(next[static_cast<std::size_t>(row)]++)] =
+        static_cast<std::int32_t>(column);
+  };
+  for (Index a = 0; a < half.nodes; ++a)
+    for (const std::int32_t b : half.columns(a).subspan(1)) add(b, a);
+  for (Index a = 0; a < half.nodes; ++a)
+    for (const std::int32_t b : half.columns(a)) add(a, b);
+  return full;
+}
+
+template <class Value>
+void sort_unique(std::vector<Value>& values) {
   std::ranges::sort(values);
   values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
-std::uint16_t place_in(const std::vector<std::int32_t>& values, std::int32_t value) {
-  return static_cast<std::uint16_t>(std::ranges::lower_bound(values, value) - values.begin());
-}
-
-std::span<const std::int32_t> columns_of(const Pattern& a, std::int32_t row) {
-  const auto r = static_cast<std::size_t>(row);
-  return std::span(a.column).subspan(static_cast<std::size_t>(a.begin[r]),
-                                     static_cast<std::size_t>(a.begin[r + 1] - a.begin[r]));
+template <class Value>
+std::size_t place_in(const std::vector<Value>& values, const Value& value) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(values, value) - values.begin());
 }
 
 }  // namespace
@@ -60,78 +87,88 @@ std::span<const std::int32_t> columns_of(const Pattern& a, std::int32_t row) {
 class Galerkin::Planner {
  public:
   Planner(const Pattern& fine, const AlikeRows& p, const AlikeRows& transposed)
-      : fine_(fine), p_(p), transposed_(transposed) {}
+      : fine_(both_triangles(fine)), p_(p), transposed_(transposed) {}
 
-  [[nodiscard]] const std::vector<std::int32_t>& fine_columns() const { return fine_columns_; }
+  /// Of the last row, at or behind it.
   [[nodiscard]] const std::vector<std::int32_t>& coarse_columns() const { return coarse_columns_; }
 
   /// Whether row c has the plan of the row before, by as much further; goes on to it if so.
   [[nodiscard]] bool goes_on(Index c) {
     if (c == 0 || !transposed_.are_alike(c, c - 1)) return false;
-    const std::int32_t step = transposed_.entry(c, 0).column - transposed_.entry(c - 1, 0).column;
+    const std::int32_t step = transposed_.first(c) - transposed_.first(c - 1);
     for (std::size_t t = 0; t < transposed_.size(c); ++t) {
       const std::int32_t a = transposed_.entry(c, t).column;
-      if (!std::ranges::equal(columns_of(fine_, a), columns_of(fine_, a - step), {}, {},
+      if (!std::ranges::equal(fine_.columns(a), fine_.columns(a - step), {}, {},
                               [&](std::int32_t column) { return column + step; }))
         return false;
     }
-    const auto first_of = [&](std::int32_t a) { return p_.entry(a, 0).column; };
     for (const std::int32_t b : fine_columns_)
-      if (!p_.are_alike(b, b + step) || first_of(b + step) != first_of(b) + 1) return false;
+      if (!p_.are_alike(b, b + step) || p_.first(b + step) != p_.first(b) + 1) return false;
     for (std::int32_t& b : fine_columns_) b += step;
     for (std::int32_t& d : coarse_columns_) ++d;
     return true;
   }
 
+  /// Σ over all a of column c of P, all b of row a of A, all d ≥ c of row b of P.
   [[nodiscard]] Plan plan(Index c) {
     Plan plan;
     fine_columns_.clear();
     coarse_columns_.clear();
-    const auto each_row = [&](const auto& visit) {
-      for (std::size_t t = 0; t < transposed_.size(c); ++t)
-        visit(columns_of(fine_, transposed_.entry(c, t).column));
-    };
-    each_row([&](std::span<const std::int32_t> columns) {
-      fine_columns_.insert(fine_columns_.end(), columns.begin(), columns.end());
-    });
-    sort_unique(fine_columns_);
-    each_row([&](std::span<const std::int32_t> columns) {
-      plan.size.push_back(static_cast<std::uint16_t>(columns.size()));
-      for (const std::int32_t b : columns) plan.slot.push_back(place_in(fine_columns_, b));
-    });
-    for (const std::int32_t b : fine_columns_)
-      for (std::size_t q = 0; q < p_.size(b); ++q) coarse_columns_.push_back(p_.entry(b, q).column);
-    sort_unique(coarse_columns_);
-    std::vector<std::vector<Share>> shares(coarse_columns_.size());
-    for (std::size_t i = 0; i < fine_columns_.size(); ++i)
-      for (std::size_t q = 0; q < p_.size(fine_columns_[i]); ++q) {
-        const AlikeRows::Entry e = p_.entry(fine_columns_[i], q);
-        shares[place_in(coarse_columns_, e.column)].push_back(
-            {static_cast<std::uint16_t>(i), e.weight});
+    parts_.clear();
+    const auto row = static_cast<std::int32_t>(c), first = transposed_.first(c);
+    for (std::size_t t = 0; t < transposed_.size(c); ++t) {
+      const auto [a, weight] = transposed_.entry(c, t);
+      for (const std::int32_t b : fine_.columns(a)) {
+        fine_columns_.push_back(b);
+        for (std::size_t q = 0; q < p_.size(b); ++q)
+          if (const auto [d, share] = p_.entry(b, q); d >= row) {
+            coarse_columns_.push_back(d);
+            parts_.push_back({d, b < a, {std::min(a, b) - first, std::abs(b - a)}, weight * share});
+            plan.sources.push_back(parts_.back().source);
+          }
       }
-    for (const std::vector<Share>& of_entry : shares) {
-      plan.shares.insert(plan.shares.end(), of_entry.begin(), of_entry.end());
-      plan.end.push_back(static_cast<std::uint16_t>(plan.shares.size()));
     }
-    for (std::size_t t = 0; t < transposed_.size(c); ++t)
-      plan.weight.push_back(transposed_.entry(c, t).weight);
-    plan.slots = static_cast<std::uint16_t>(fine_columns_.size());
+    sort_unique(fine_columns_);
+    sort_unique(coarse_columns_);
+    sort_unique(plan.sources);
+    std::ranges::sort(parts_);
+    std::size_t next = 0;
+    for (const std::int32_t d : coarse_columns_) {
+      plan.distance.push_back(d - row);
+      for (const bool is_mirrored : {false, true}) {
+        for (; next < parts_.size() && parts_[next].column == d &&
+               parts_[next].is_mirrored == is_mirrored;
+             ++next)
+          plan.terms.push_back(
+              {static_cast<std::uint16_t>(place_in(plan.sources, parts_[next].source)),
+               parts_[next].weight});
+        plan.end.push_back(static_cast<std::uint32_t>(plan.terms.size()));
+      }
+    }
     return plan;
   }
 
  private:
-  const Pattern& fine_;
+  struct Part {
+    std::int32_t column;  // coarse
+    bool is_mirrored;
+    Source source;
+    float weight;
+    auto operator<=>(const Part&) const = default;
+  };
+  Pattern fine_;  // both triangles
   const AlikeRows &p_, &transposed_;
   std::vector<std::int32_t> fine_columns_, coarse_columns_;  // of the last row
+  std::vector<Part> parts_;
 };
 
-Galerkin::Galerkin(const Pattern& fine, const Quads& quads, const deform::Prolongation& p)
-    : p_(rows_of(p)), transposed_(transposed_rows_of(p)) {
-  for (Index a = 0; a < fine.nodes; ++a) start_.push_back(quads.first_place(fine, a));
+Galerkin::Galerkin(const Pattern& fine, const deform::Prolongation& p)
+    : p_(rows_of(p)), transposed_(transposed_rows_of(p)), up_(p_), down_(transposed_) {
   coarse_.nodes = transposed_.rows();
   Planner planner(fine, p_, transposed_);
   std::map<Plan, std::int32_t> known;
   for (Index c = 0; c < coarse_.nodes; ++c) {
+    begin_.push_back(transposed_.first(c));
     if (planner.goes_on(c)) {
       plan_.push_back(plan_.back());
     } else {
@@ -146,78 +183,83 @@ Galerkin::Galerkin(const Pattern& fine, const Quads& quads, const deform::Prolon
   }
 }
 
+/// Whether what coarse row `last` is made of lies in the strips in which that of `first` does.
+bool Galerkin::lies_in_strips(const Strips& fine, std::int32_t first, std::int32_t last) const {
+  const auto at = [&](std::int32_t c) { return begin_[static_cast<std::size_t>(c)]; };
+  const std::vector<Source>& sources =
+      plans_[static_cast<std::size_t>(plan_[static_cast<std::size_t>(first)])].sources;
+  return std::ranges::all_of(sources, [&](const Source& s) {
+    const Strips::Strip& strip = fine.strip_of(at(first) + s.row);
+    return at(last) + s.row < strip.row + strip.size;
+  });
+}
+
+/// The end of the coarse rows from one on that are made together.
+std::int32_t Galerkin::group_end(const Strips& fine, const Strips& coarse,
+                                 std::int32_t first) const {
+  const Strips::Strip& strip = coarse.strip_of(first);
+  const auto most =
+      static_cast<std::int32_t>(std::min<Index>(strip.row + strip.size, first + kCoarseRows));
+  const auto step_to = [&](std::int32_t c) {
+    return begin_[static_cast<std::size_t>(c)] - begin_[static_cast<std::size_t>(c - 1)];
+  };
+  std::int32_t end = first + 1;
+  while (end < most &&
+         plan_[static_cast<std::size_t>(end)] == plan_[static_cast<std::size_t>(first)] &&
+         (step_to(end) == 1 || step_to(end) == 2) && step_to(end) == step_to(first + 1) &&
+         lies_in_strips(fine, first, end))
+    ++end;
+  return end;
+}
+
+void Galerkin::bind(const Strips& fine, const Strips& coarse, Index numbers) {
+  const auto nodes = static_cast<std::int32_t>(coarse_.nodes);
+  for (std::int32_t c = 0, end = 0; c < nodes; c = end) {
+    end = group_end(fine, coarse, c);
+    const auto row = static_cast<std::size_t>(c), plan = static_cast<std::size_t>(plan_[row]);
+    groups_.push_back(
+        {end - c, end - c == 1 ? 1 : begin_[row + 1] - begin_[row], plan, places_.size()});
+    for (const Source& s : plans_[plan].sources)
+      places_.push_back(fine.place(begin_[row] + s.row, s.distance, numbers));
+    for (const std::int32_t distance : plans_[plan].distance)
+      places_.push_back(coarse.place(c, distance, numbers));
+  }
+  coarse_ = {};
+  plan_ = begin_ = {};
+  p_ = transposed_ = {};
+}
+
 std::int32_t Galerkin::same(Index fine) const {
   for (std::size_t q = 0; q < p_.size(fine); ++q)
     if (const AlikeRows::Entry e = p_.entry(fine, q); e.weight > kSame) return e.column;
   return -1;
 }
 
-void Galerkin::restrict_to(const LaneVector& r, LaneVector& f) const {
-  deform::parallel_blocks(coarse_.nodes, kRows, [&](Index first, Index size) {
-    for (Index c = first; c < first + size; ++c) f.set(c, transposed_.product(c, r));
+void Galerkin::restrict_to(const Field<float>& r, Field<float>& f) const {
+  deform::parallel_blocks(static_cast<Index>(down_.tasks().size()), 1, [&](Index t, Index) {
+    down_.multiply(down_.tasks()[static_cast<std::size_t>(t)], r, f, false);
   });
 }
 
 template <class Entry>
-void Galerkin::multiply(const Level<Entry>& fine, Level<Entry>& coarse) const {
-  deform::parallel_blocks(coarse_.nodes, kRows, [&](Index first, Index size) {
-    for (Index c = first, next = c; c < first + size; c = next) {
-      while (next < first + size && next < c + kQuad &&
-             plan_[static_cast<std::size_t>(next)] == plan_[static_cast<std::size_t>(c)])
-        ++next;
-      const Index last = next - 1;
-      make_rows(fine, {c, std::min(c + 1, last), std::min(c + 2, last), last}, coarse);
-    }
-  });
+void Galerkin::multiply(const std::vector<float>& fine, std::vector<float>& coarse) const {
+  deform::parallel_blocks(
+      static_cast<Index>(groups_.size()), kGroups, [&](Index first, Index size) {
+        for (Index g = first; g < first + size; ++g) {
+          const Group& group = groups_[static_cast<std::size_t>(g)];
+          const Plan& plan = plans_[group.plan];
+          const Place* const source = places_.data() + group.place;
+          Entry::combine(CoarseRows{group.size, group.step, source, source + plan.sources.size(),
+                                    static_cast<Index>(plan.distance.size()), plan.terms.data(),
+                                    plan.end.data()},
+                         fine.data(), coarse.data());
+        }
+      });
 }
 
-/// Four rows of one plan at once; where there are less of it, the last comes again.
-template <class Entry>
-void Galerkin::make_rows(const Level<Entry>& fine, const std::array<Index, kQuad>& c,
-                         Level<Entry>& coarse) const {
-  constexpr std::size_t kNumbers = kQuad * Entry::kSize;  // of an entry of four rows
-  // Kept by each thread from call to call: no allocation once they are large enough.
-  thread_local std::vector<float> t, sums;
-  const Plan& plan = plan_of(c[0]);
-  t.assign(kNumbers * plan.slots, 0);
-  const std::uint16_t* slot = plan.slot.data();
-  for (std::size_t i = 0; i < plan.size.size(); ++i) {
-    const std::int32_t size = plan.size[i];
-    std::array<std::int32_t, kQuad> a{}, place{};
-    FourRows from{};
-    const auto add = [&](std::int32_t first, std::int32_t entries) {
-      for (std::size_t row = 0; row < kQuad; ++row)
-        from[row] = fine.value.data() + Entry::start(place[row]);
-      Entry::add_rows(plan.weight[i], from, slot + first, entries, t.data());
-    };
-    for (std::size_t row = 0; row < kQuad; ++row) {
-      a[row] = transposed_.entry(c[row], i).column;
-      place[row] = start_[static_cast<std::size_t>(a[row])];
-    }
-    if (std::ranges::min(place) >= 0) {
-      add(0, size);
-    } else {
-      for (std::int32_t k = 0; k < size; ++k) {
-        for (std::size_t row = 0; row < kQuad; ++row)
-          place[row] =
-              fine.quads.place(a[row], fine.pattern.begin[static_cast<std::size_t>(a[row])] + k);
-        add(k, 1);
-      }
-    }
-    slot += size;
-  }
-  sums.resize(kNumbers * plan.end.size());
-  Entry::combine(plan.shares.data(), plan.end.data(), static_cast<Index>(plan.end.size()), t.data(),
-                 sums.data());
-  for (std::size_t row = 0; row < kQuad; ++row) {
-    std::int32_t p = coarse_.begin[static_cast<std::size_t>(c[row])];
-    for (std::size_t k = 0; k < plan.end.size(); ++k)
-      Entry::store_row(sums.data() + kNumbers * k, row,
-                       coarse.value.data() + Entry::start(coarse.quads.place(c[row], p++)));
-  }
-}
-
-template void Galerkin::multiply(const Level<Block>& fine, Level<Block>& coarse) const;
-template void Galerkin::multiply(const Level<Scalar>& fine, Level<Scalar>& coarse) const;
+template void Galerkin::multiply<Block>(const std::vector<float>& fine,
+                                        std::vector<float>& coarse) const;
+template void Galerkin::multiply<Scalar>(const std::vector<float>& fine,
+                                         std::vector<float>& coarse) const;
 
 }  // namespace multigrid

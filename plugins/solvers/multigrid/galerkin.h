@@ -1,61 +1,74 @@
-/// Coarser matrices by Galerkin's product PᵀAP.
+/// Coarser matrices by Galerkin's product PᵀAP, and vectors between the levels.
 #pragma once
 
-#include <array>
 #include <compare>
+#include <cstdint>
 #include <vector>
 
 #include <deform/surface/prolongation.h>
 
 #include "alike_rows.h"
-#include "level.h"
+#include "field.h"
+#include "galerkin_kernels.h"
+#include "runs.h"
+#include "strips.h"
 
 namespace multigrid {
 
-/// PᵀAP for one P and one pattern of A. Coarse rows are made by fours: their rows of T = PᵀA, then
-/// those times P. Where the products go is found once, and shared by the rows that are alike.
+/// For one P and one pattern of A. Which entries of A make which of PᵀAP is found once, and shared
+/// by the coarse rows that are alike; those that follow each other are made together.
 class Galerkin {
  public:
-  Galerkin(const Pattern& fine, const Quads& quads, const deform::Prolongation& p);
+  Galerkin(const Pattern& fine, const deform::Prolongation& p);
 
   [[nodiscard]] const Pattern& coarse() const { return coarse_; }
-  /// The values of PᵀAP; `fine` without its held rows and columns, so that P needs to know of none.
+  /// Once both are there: where entries of so many numbers lie. Forgets what only this needs,
+  /// `coarse` and `same` included.
+  void bind(const Strips& fine, const Strips& coarse, Index numbers);
+
+  /// The values of PᵀAP. Held rows and columns of `fine` are 0, so that P needs to know of none.
   template <class Entry>
-  void multiply(const Level<Entry>& fine, Level<Entry>& coarse) const;
-  /// f of the coarse level from the residual r: Pᵀ r.
-  void restrict_to(const LaneVector& r, LaneVector& f) const;
-  /// (P x)_a.
-  [[nodiscard]] Lanes prolonged(Index a, const LaneVector& coarse) const {
-    return p_.product(a, coarse);
-  }
+  void multiply(const std::vector<float>& fine, std::vector<float>& coarse) const;
+  /// f = Pᵀ r.
+  void restrict_to(const Field<float>& r, Field<float>& f) const;
+  /// P.
+  [[nodiscard]] const Runs& interpolation() const { return up_; }
   /// The coarse node at a fine one, or −1.
   [[nodiscard]] std::int32_t same(Index fine) const;
 
  private:
-  /// Where the products of a coarse row go.
+  /// An entry of A, from the first fine row that a coarse one is made of.
+  struct Source {
+    std::int32_t row = 0, distance = 0;
+    auto operator<=>(const Source&) const = default;
+  };
   struct Plan {
-    std::vector<std::uint16_t> slot;  // in T's row, of each entry of each fine row
-    std::vector<std::uint16_t> size;  // entries of each fine row
-    std::vector<float> weight;        // of each fine row
-    std::uint16_t slots = 0;          // of T's row
-    std::vector<std::uint16_t> end;   // in `shares`, of each entry of the coarse row
-    std::vector<Share> shares;
+    std::vector<Source> sources;         // ascending
+    std::vector<std::int32_t> distance;  // of entries: coarse column less row
+    std::vector<Term> terms;
+    std::vector<std::uint32_t> end;  // as CoarseRows wants it
     auto operator<=>(const Plan&) const = default;
   };
   class Planner;
+  /// Coarse rows made together, each `step` fine rows after the one before.
+  struct Group {
+    std::int32_t size, step;
+    std::size_t plan, place;  // place: of the first row's sources, then entries, in places_
+  };
 
-  [[nodiscard]] const Plan& plan_of(Index c) const {
-    return plans_[static_cast<std::size_t>(plan_[static_cast<std::size_t>(c)])];
-  }
-  template <class Entry>
-  void make_rows(const Level<Entry>& fine, const std::array<Index, kQuad>& c,
-                 Level<Entry>& coarse) const;
+  [[nodiscard]] bool lies_in_strips(const Strips& fine, std::int32_t first,
+                                    std::int32_t last) const;
+  [[nodiscard]] std::int32_t group_end(const Strips& fine, const Strips& coarse,
+                                       std::int32_t first) const;
 
   AlikeRows p_, transposed_;
+  Runs up_, down_;
   Pattern coarse_;
-  std::vector<std::int32_t> start_;  // of each fine row's places if they are in a row, or −1
   std::vector<Plan> plans_;
-  std::vector<std::int32_t> plan_;  // of each coarse row
+  std::vector<std::int32_t> plan_;   // of each coarse row …
+  std::vector<std::int32_t> begin_;  // … and its first fine row
+  std::vector<Group> groups_;
+  std::vector<Place> places_;
 };
 
 }  // namespace multigrid

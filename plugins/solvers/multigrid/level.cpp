@@ -5,8 +5,6 @@
 namespace multigrid {
 namespace {
 
-const Lanes kAll{{1, 1, 1, 0}};
-
 /// ω λ for a bound of λ.
 constexpr double kDampingOfBound = 1.75;
 /// ω λ: below 2 by more than what so many power iterations may underestimate λ by.
@@ -21,160 +19,150 @@ float random_sign(std::size_t i) {
   return (x >> 40 & 1) != 0 ? 1.0F : -1.0F;
 }
 
-void cut(Sum<Block>& block, const Lanes& row, const Lanes& column) {
-  for (int c = 0; c < 3; ++c)
-    block[static_cast<std::size_t>(c)] = column[c] * (row * block[static_cast<std::size_t>(c)]);
-}
-/// One number holds for all three components: a node is held in all of them, or in none.
-void cut(Sum<Scalar>& block, const Lanes& row, const Lanes& column) {
-  block[0] = column[0] * (row[0] * block[0]);
-}
-
-/// The entry at a place.
-template <class Entry>
-Sum<Entry> entry_at(const std::vector<float>& value, std::int32_t place) {
-  Sum<Entry> entry{};
-  add<Entry>(entry, 1, value.data() + Entry::start(place));
-  return entry;
-}
-
 }  // namespace
 
 template <class Entry>
-void Level<Entry>::prepare(Pattern p, std::vector<Mask> masks) {
-  pattern = std::move(p);
-  quads = Quads(pattern);
-  held = std::move(masks);
-  const auto nodes = static_cast<std::size_t>(pattern.nodes);
-  value.assign(quads.places() * Entry::kSize + kOverrun, 0);
-  inverse.assign(padded(pattern.nodes) * Entry::kSize + kOverrun, 0);
-  for (LaneVector* v : {&f, &x, &r, &next_}) v->assign(pattern.nodes);
-  diagonal.resize(nodes);
-  std::vector<Lanes> factor(nodes, kAll);
-  for (const Mask& m : held) factor[static_cast<std::size_t>(m.node)] = m.factor;
-  const auto is_held = [](const Lanes& lanes) { return lanes[0] * lanes[1] * lanes[2] == 0; };
-  cuts_.clear();
-  for (std::size_t a = 0; a < nodes; ++a) {
-    const auto row = static_cast<Index>(a);
-    diagonal[a] = place(row, row);
-    for (std::int32_t k = pattern.begin[a]; k < pattern.begin[a + 1]; ++k) {
-      const Lanes& column =
-          factor[static_cast<std::size_t>(pattern.column[static_cast<std::size_t>(k)])];
-      if (is_held(factor[a]) || is_held(column))
-        cuts_.push_back({quads.place(row, k), factor[a], column});
-    }
-  }
+void Level<Entry>::prepare(const Pattern& pattern, std::vector<Held> nodes_held) {
+  strips = Strips(pattern);
+  product_ = Product<float>(strips);
+  held = std::move(nodes_held);
+  value.assign(strips.size(Entry::kNumbers), 0);
+  inverse_.assign(static_cast<std::size_t>(Entry::kInverse * pattern.nodes), 0);
+  for (Field<float>* v : {&f, &x, &r}) v->assign(pattern.nodes, strips.reach());
+  sums_.resize(strips.chunks().size());
+  find_cuts();
 }
 
+/// Of a held node a: the numbers of entries (a, b) in its components' rows, of (b, a) in their
+/// columns.
 template <class Entry>
-std::int32_t Level<Entry>::place(Index a, Index b) const {
-  const auto begin = pattern.column.begin();
-  const auto at = std::lower_bound(begin + pattern.begin[static_cast<std::size_t>(a)],
-                                   begin + pattern.begin[static_cast<std::size_t>(a) + 1],
-                                   static_cast<std::int32_t>(b));
-  return quads.place(a, static_cast<std::int32_t>(at - begin));
+void Level<Entry>::find_cuts() {
+  cuts_.clear();
+  std::vector<std::uint8_t> components(static_cast<std::size_t>(nodes()), 0);
+  for (const Held& h : held) components[static_cast<std::size_t>(h.node)] = h.components;
+  for (Index a = 0; a < nodes(); ++a)
+    for (const std::int32_t distance : strips.distances(strips.strip_of(a))) {
+      if (a + distance >= nodes()) break;  // what rows lack may lie beyond
+      const std::uint8_t row = components[static_cast<std::size_t>(a)],
+                         column = components[static_cast<std::size_t>(a + distance)];
+      if (row == 0 && column == 0) continue;
+      const Place at = strips.place(a, distance, Entry::kNumbers);
+      for (Index i = 0; i < Entry::kComponents; ++i)
+        for (Index j = 0; j < Entry::kComponents; ++j)
+          if ((row >> i & 1) != 0 || (column >> j & 1) != 0)
+            cuts_.push_back(at.first + (Entry::kComponents * i + j) * at.stride);
+    }
 }
 
 template <class Entry>
 void Level<Entry>::finish() {
-  for (const Cut& c : cuts_) {
-    Sum<Entry> block = entry_at<Entry>(value, c.place);
-    cut(block, c.row, c.column);
-    store(block, value.data() + Entry::start(c.place));
-  }
-  deform::parallel_blocks(pattern.nodes, kRows, [&](Index first, Index size) {
-    for (Index a = first; a < first + size; ++a)
-      store(inverse_of(entry_at<Entry>(value, diagonal[static_cast<std::size_t>(a)])),
-            inverse.data() + Entry::start(static_cast<std::int32_t>(a)));
-  });
+  for (const std::int64_t at : cuts_) value[static_cast<std::size_t>(at)] = 0;
+  deform::parallel_blocks(
+      static_cast<Index>(strips.chunks().size()), 1, [&](Index c, Index /*one*/) {
+        const Strips::Chunk& chunk = strips.chunks()[static_cast<std::size_t>(c)];
+        for (std::size_t s = chunk.strip; s < chunk.strip_end; ++s) {
+          const Strips::Strip& strip = strips.strips()[s];
+          Entry::invert(strip.size, value.data() + Entry::kNumbers * strip.begin, strip.lanes,
+                        inverse_.data() + strip.row, nodes());
+        }
+      });
 }
 
 template <class Entry>
-double Level<Entry>::product(const LaneVector& a, const LaneVector& b) {
-  return sums_(a.quads(), [&](Index first, Index size) {
-    return dot(a.data(), b.data(), first, first + size);
-  });
+double Level<Entry>::multiply(const Field<float>& y, Field<float>& out) {
+  product_.template multiply<Entry>(
+      value.data(), y, out,
+      [&](std::size_t c, Index first, Index size) { sums_[c] = dot(y, out, first, size); });
+  return sums_.total();
+}
+
+template <class Entry>
+double Level<Entry>::product(const Field<float>& a, const Field<float>& b) {
+  deform::parallel_blocks(static_cast<Index>(strips.chunks().size()), 1,
+                          [&](Index i, Index /*one*/) {
+                            const auto c = static_cast<std::size_t>(i);
+                            const Strips::Chunk& chunk = strips.chunks()[c];
+                            sums_[c] = dot(a, b, chunk.row, chunk.end - chunk.row);
+                          });
+  return sums_.total();
+}
+
+template <class Entry>
+void Level<Entry>::mask(Field<float>& y) const {
+  for (const Held& h : held)
+    for (Index c = 0; c < 3; ++c)
+      if ((h.components >> c & 1) != 0) y(h.node, c) = 0;
 }
 
 /// Power iterations x ← D⁻¹A x; the quotient is xᵀA D⁻¹A x / xᵀA x.
 template <class Entry>
 void Level<Entry>::choose_damping() {
-  for (Index a = 0; a < pattern.nodes; ++a)
-    for (int c = 0; c < 3; ++c) x(a, c) = random_sign(static_cast<std::size_t>(3 * a + c));
+  for (Index a = 0; a < nodes(); ++a)
+    for (Index c = 0; c < 3; ++c) x(a, c) = random_sign(static_cast<std::size_t>(3 * a + c));
   mask(x);
   double largest = 0;
   for (int k = 0; k < kPowerIterations; ++k) {
-    deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
-      multiply(x, first, size, r);
-      Entry::smooth({inverse.data(), r.data(), 1}, first, first + size, next_.data());
-    });
-    const double below = product(x, r);
-    largest = below > 0 ? product(next_, r) / below : 0;
-    x.swap(next_);
+    const double below = multiply(x, r);
+    Entry::smooth(0, nodes(), 1, inverse(), r.read(), x.write(), false);
+    largest = below > 0 ? product(x, r) / below : 0;
   }
   damping_ = largest > 0 ? static_cast<float>(kDampingOfLargest / largest) : 0.65F;
 }
 
 template <class Entry>
 void Level<Entry>::choose_damping_by_rows() requires std::same_as<Entry, Scalar> {
-  const auto quad_bound = [&](std::size_t q) {
-    Lanes sum;
-    const Quads::View rows = quads.view();
-    for (std::int32_t e = rows.begin[q]; e < rows.begin[q + 1]; ++e)
-      sum += magnitude(Lanes::load(value.data() + 4 * static_cast<std::size_t>(e)));
-    const Lanes bound = sum * magnitude(Lanes::load(inverse.data() + 4 * q));
-    return std::max(std::max(bound[0], bound[1]), std::max(bound[2], bound[3]));
-  };
-  largest_.resize(static_cast<std::size_t>(x.quads()));
-  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
-    for (auto q = static_cast<std::size_t>(first); q < static_cast<std::size_t>(first + size); ++q)
-      largest_[q] = quad_bound(q);
-  });
-  const float bound = std::ranges::max(largest_);
+  // Both parts of a row's sum, in fields that the next cycle overwrites.
+  r.set_zero();
+  for (const Strips::Strip& strip : strips.strips())
+    add_magnitudes(
+        {value.data() + strip.begin, strip.lanes, strips.distances(strip).data(), strip.entries},
+        r.data(0) + strip.row, r.data(1) + strip.row);
+  float bound = 0;
+  for (Index a = 0; a < nodes(); ++a)
+    bound = std::max(bound, (r(a, 0) + r(a, 1)) * std::abs(inverse_[static_cast<std::size_t>(a)]));
+  r.set_zero();
   damping_ = bound > 0 ? static_cast<float>(kDampingOfBound) / bound : 0.65F;
 }
 
 template <class Entry>
-void Level<Entry>::start() {
-  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
-    Entry::smooth({inverse.data(), f.data(), damping_}, first, first + size, x.data());
-  });
+void Level<Entry>::start(Index first, Index size) {
+  Entry::smooth(first, size, damping_, inverse(), f.read(), x.write(), false);
 }
 
 template <class Entry>
 void Level<Entry>::find_residual() {
-  deform::parallel_blocks(x.quads(), kQuads, [&](Index first, Index size) {
-    multiply(x, first, size, r);
-    // f − 1 · A x
-    scale_and_add(-1, f.data(), first, first + size, r.data());
-  });
+  product_.template multiply<Entry>(value.data(), x, r,
+                                    [&](std::size_t /*c*/, Index first, Index size) {
+                                      for (Index k = 0; k < 3; ++k)
+                                        subtract_from(size, f.data(k) + first, r.data(k) + first);
+                                    });
 }
 
+/// x += ω D⁻¹ (f − A x), A x being in r.
 template <class Entry>
-void Level<Entry>::smooth_some(Index first, Index size) {
-  multiply(x, first, size, r);
-  Entry::smooth({inverse.data(), f.data(), damping_, x.data(), r.data()}, first, first + size,
-                next_.data());
+void Level<Entry>::add_correction(Index first, Index size) {
+  for (Index k = 0; k < 3; ++k) subtract_from(size, f.data(k) + first, r.data(k) + first);
+  Entry::smooth(first, size, damping_, inverse(), r.read(), x.write(), true);
 }
 
 template <class Entry>
 void Level<Entry>::smooth() {
-  deform::parallel_blocks(x.quads(), kQuads,
-                          [&](Index first, Index size) { smooth_some(first, size); });
-  x.swap(next_);
+  product_.template multiply<Entry>(
+      value.data(), x, r,
+      [&](std::size_t /*c*/, Index first, Index size) { add_correction(first, size); });
 }
 
 template <class Entry>
 double Level<Entry>::smooth_and_multiply() {
-  const double sum = sums_(x.quads(), [&](Index first, Index size) {
-    smooth_some(first, size);
-    return dot(f.data(), next_.data(), first, first + size);
-  });
-  x.swap(next_);
-  return sum;
+  product_.template multiply<Entry>(value.data(), x, r,
+                                    [&](std::size_t c, Index first, Index size) {
+                                      add_correction(first, size);
+                                      sums_[c] = dot(f, x, first, size);
+                                    });
+  return sums_.total();
 }
 
-template struct Level<Block>;
-template struct Level<Scalar>;
+template class Level<Block>;
+template class Level<Scalar>;
 
 }  // namespace multigrid

@@ -77,9 +77,8 @@ class Multigrid final : public LinearSolver, public BlockSolver {
     block_.emplace(pattern, held, coarsening_,
                    multigrid::BlockSystem::Limits{.iterations = most()});
   }
-  void factor(const BlockMatrix& a, const NodeValues& d, bool renew) override {
-    block_->factor(a, d, renew);
-  }
+  void put(const BlockRows& rows) override { block_->put(rows); }
+  void factor(const NodeValues& d, bool renew) override { block_->factor(d, renew); }
   [[nodiscard]] Outcome solve(const NodeVectors& b, double tolerance, NodeVectors& x) override {
     return block_->solve(b, tolerance, x);
   }

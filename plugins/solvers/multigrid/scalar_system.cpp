@@ -12,6 +12,20 @@ constexpr double kPart = 1e-4;
 /// Part of |b| and of |A| |x| that their difference may be, for its rounding.
 constexpr double kRounding = 1e-15;
 
+/// Rows that one task takes.
+constexpr Index kRows = 4096;
+
+/// Calls visit(p, column) for the entries of the upper half in a row, `column` being a node. As
+/// unknowns are numbered as their nodes are, these are ascending.
+template <class Visit>
+void each_upper_entry(const deform::SparseMatrix& a, std::span<const std::int32_t> nodes,
+                      std::size_t row, const Visit& visit) {
+  for (auto p = static_cast<std::size_t>(a.row_begin[row]);
+       p < static_cast<std::size_t>(a.row_begin[row + 1]); ++p)
+    if (static_cast<std::size_t>(a.column[p]) >= row)
+      visit(p, nodes[static_cast<std::size_t>(a.column[p])]);
+}
+
 /// The pattern among all nodes; those without an unknown have no entry but their diagonal's.
 Pattern pattern_of(const deform::SparseMatrix& a, std::span<const std::int32_t> nodes,
                    Index total) {
@@ -24,23 +38,21 @@ Pattern pattern_of(const deform::SparseMatrix& a, std::span<const std::int32_t> 
     if (const std::int32_t q = unknown[node]; q < 0) {
       pattern.column.push_back(static_cast<std::int32_t>(node));
     } else {
-      for (auto p = a.row_begin[static_cast<std::size_t>(q)];
-           p < a.row_begin[static_cast<std::size_t>(q) + 1]; ++p)
-        pattern.column.push_back(
-            nodes[static_cast<std::size_t>(a.column[static_cast<std::size_t>(p)])]);
+      each_upper_entry(a, nodes, static_cast<std::size_t>(q),
+                       [&](std::size_t /*p*/, std::int32_t b) { pattern.column.push_back(b); });
     }
     pattern.begin.push_back(static_cast<std::int32_t>(pattern.column.size()));
   }
   return pattern;
 }
 
-std::vector<Mask> masks_of(std::span<const std::int32_t> nodes, Index total) {
+std::vector<Held> nodes_held(std::span<const std::int32_t> nodes, Index total) {
   std::vector<bool> is_free(static_cast<std::size_t>(total), false);
   for (const std::int32_t node : nodes) is_free[static_cast<std::size_t>(node)] = true;
-  std::vector<Mask> masks;
+  std::vector<Held> held;
   for (std::size_t a = 0; a < is_free.size(); ++a)
-    if (!is_free[a]) masks.push_back({static_cast<std::int32_t>(a), {}});
-  return masks;
+    if (!is_free[a]) held.push_back({static_cast<std::int32_t>(a), 7});
+  return held;
 }
 
 }  // namespace
@@ -48,38 +60,39 @@ std::vector<Mask> masks_of(std::span<const std::int32_t> nodes, Index total) {
 ScalarSystem::ScalarSystem(const deform::SparseMatrix& pattern, std::span<const std::int32_t> nodes,
                            Index total, const std::vector<deform::Prolongation>& coarsening)
     : node_(nodes.begin(), nodes.end()) {
-  cycle_.emplace(pattern_of(pattern, nodes, total), masks_of(nodes, total), coarsening,
+  cycle_.emplace(pattern_of(pattern, nodes, total), nodes_held(nodes, total), coarsening,
                  Finest::smoothed);
-  // Unknowns are numbered as their nodes are, so that rows keep the order of their entries.
   const Level<Scalar>& level = cycle_->finest();
-  for (Index q = 0; q < pattern.size; ++q) {
-    const Index node = node_[static_cast<std::size_t>(q)];
-    const std::int32_t begin = pattern.row_begin[static_cast<std::size_t>(q)],
-                       size = pattern.row_begin[static_cast<std::size_t>(q) + 1] - begin;
-    for (std::int32_t k = 0; k < size; ++k)
-      place_.push_back(
-          level.quads.place(node, level.pattern.begin[static_cast<std::size_t>(node)] + k));
+  for (std::size_t q = 0; q < node_.size(); ++q) {
+    row_begin_.push_back(entries_.size());
+    each_upper_entry(pattern, node_, q, [&](std::size_t p, std::int32_t b) {
+      entries_.push_back({static_cast<std::int32_t>(p),
+                          level.strips.place(node_[q], b - node_[q], Scalar::kNumbers).first});
+    });
   }
-  value_.assign(level.quads.places() + kOverrun, 0);
-  b_.assign(total);
-  x_.assign(total);
+  row_begin_.push_back(entries_.size());
+  value_.assign(level.strips.size(Scalar::kNumbers), 0);
+  product_ = Product<double>(level.strips);
+  sums_.resize(level.strips.chunks().size());
+  for (Field<double>* v : {&b_, &x_, &product_of_x_}) level.assign(*v);
+  gradients_.assign(total, b_.stride());
 }
 
 void ScalarSystem::factor(const deform::SparseMatrix& a) {
   Level<Scalar>& level = cycle_->finest();
   deform::parallel_blocks(a.size, kRows, [&](Index first, Index size) {
-    for (auto p = static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(first)]);
-         p < static_cast<std::size_t>(a.row_begin[static_cast<std::size_t>(first + size)]); ++p) {
-      const auto place = static_cast<std::size_t>(place_[p]);
-      value_[place] = a.value[p];
-      level.value[place] = static_cast<float>(a.value[p]);
+    for (std::size_t e = row_begin_[static_cast<std::size_t>(first)];
+         e < row_begin_[static_cast<std::size_t>(first + size)]; ++e) {
+      const double value = a.value[static_cast<std::size_t>(entries_[e].from)];
+      const auto place = static_cast<std::size_t>(entries_[e].to);
+      value_[place] = value;
+      level.value[place] = static_cast<float>(value);
     }
   });
   largest_diagonal_ = 0;
-  for (const std::int32_t node : node_) {
-    const auto place = static_cast<std::size_t>(level.diagonal[static_cast<std::size_t>(node)]);
-    largest_diagonal_ = std::max(largest_diagonal_, value_[place]);
-  }
+  for (std::size_t q = 0; q < node_.size(); ++q)
+    largest_diagonal_ =
+        std::max(largest_diagonal_, value_[static_cast<std::size_t>(entries_[row_begin_[q]].to)]);
   cycle_->renew(true);
 }
 
@@ -127,10 +140,12 @@ std::string ScalarSystem::improve_nodes(double tolerance, int most) {
 /// The residual becomes the finest level's right-hand side.
 bool ScalarSystem::find_residual_is_rounding() {
   Level<Scalar>& level = cycle_->finest();
-  deform::parallel_blocks(x_.quads(), kQuads, [&](Index first, Index size) {
-    find_residual(level.quads.view(), value_.data(), x_.data(), b_.data(), first, first + size,
-                  level.f.data());
-  });
+  product_.multiply<Scalar>(
+      value_.data(), x_, product_of_x_, [&](std::size_t /*c*/, Index first, Index size) {
+        for (Index k = 0; k < 3; ++k)
+          subtract_from(size, b_.data(k) + first, product_of_x_.data(k) + first,
+                        level.f.data(k) + first);
+      });
   const double rounding = kRounding * (norm(b_) + largest_diagonal_ * norm(x_));
   return level.product(level.f, level.f) <= rounding * rounding;
 }
@@ -138,17 +153,20 @@ bool ScalarSystem::find_residual_is_rounding() {
 Ending ScalarSystem::correct(Goal goal, int most) {
   Level<Scalar>& level = cycle_->finest();
   return gradients_.solve(
-      [&](const LaneVector& y, Index first, Index size, LaneVector& out) {
-        multiply_scalars(level.quads.view(), value_.data(), y.data(), first, first + size,
-                         out.data());
+      [&](const Field<float>& y, Field<float>& out) {
+        product_.multiply<Scalar>(
+            value_.data(), y, out,
+            [&](std::size_t c, Index first, Index size) { sums_[c] = dot(y, out, first, size); });
+        return sums_.total();
       },
       [&] { return cycle_->run(); }, level.f, level.x, x_, goal, most);
 }
 
-double ScalarSystem::norm(const NodeLanes<double>& y) {
-  return std::sqrt(sums_(y.quads(), [&](Index first, Index size) {
-    return dot(y.data(), y.data(), first, first + size);
-  }));
+double ScalarSystem::norm(const Field<double>& y) {
+  const std::vector<Strips::Chunk>& chunks = cycle_->finest().strips.chunks();
+  for (std::size_t c = 0; c < chunks.size(); ++c)
+    sums_[c] = dot(y, y, chunks[c].row, chunks[c].end - chunks[c].row);
+  return std::sqrt(sums_.total());
 }
 
 }  // namespace multigrid

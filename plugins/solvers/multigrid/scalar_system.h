@@ -30,15 +30,22 @@ class ScalarSystem {
   [[nodiscard]] std::string improve_nodes(double tolerance, int most);
   [[nodiscard]] bool find_residual_is_rounding();
   [[nodiscard]] Ending correct(Goal goal, int most);
-  [[nodiscard]] double norm(const NodeLanes<double>& y);
+  [[nodiscard]] double norm(const Field<double>& y);
 
-  std::vector<std::int32_t> node_;   // of an unknown
-  std::vector<std::int32_t> place_;  // of each entry, in the finest level's matrix …
-  std::vector<double> value_;        // … and in this one, of the last factor
+  /// Of the upper half: where in the matrix that is given, and in the strips.
+  struct Entry {
+    std::int32_t from;
+    std::int64_t to;
+  };
+  std::vector<std::int32_t> node_;      // of an unknown
+  std::vector<std::size_t> row_begin_;  // of an unknown, in entries_; its diagonal's first
+  std::vector<Entry> entries_;
+  std::vector<double> value_;  // of the last factor
   std::optional<Cycle<Scalar>> cycle_;
   double largest_diagonal_ = 0;
+  Product<double> product_;
   ConjugateGradients gradients_;
-  NodeLanes<double> b_, x_;
+  Field<double> b_, x_, product_of_x_;
   Sums sums_;
   int iterations_ = 0;
 };

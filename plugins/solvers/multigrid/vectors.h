@@ -8,13 +8,11 @@
 
 namespace multigrid {
 
-/// The lanes of one node, of two and of a quad in single precision, and of one and of two nodes in
-/// double precision.
-using Single [[gnu::vector_size(16)]] = float;
-using HalfQuad [[gnu::vector_size(32)]] = float;
-using Quad [[gnu::vector_size(64)]] = float;
-using DoubleSingle [[gnu::vector_size(32)]] = double;
-using Pair [[gnu::vector_size(64)]] = double;
+using FourFloats [[gnu::vector_size(16)]] = float;
+using EightFloats [[gnu::vector_size(32)]] = float;
+using SixteenFloats [[gnu::vector_size(64)]] = float;
+using FourDoubles [[gnu::vector_size(32)]] = double;
+using EightDoubles [[gnu::vector_size(64)]] = double;
 
 template <class Vector, class Number>
 [[gnu::always_inline]] inline Vector load(const Number* from) {

@@ -9,6 +9,15 @@
 
 namespace deform {
 
+/// Rows row … row+size−1 of a BlockMatrix, side by side, as they are made: number q of the k-th, in
+/// the order in which that keeps a row's, at value[q · lanes + k]. The rows have the same
+/// columns, each row's one further than those of the row before.
+struct BlockRows {
+  Index row = 0, size = 1;
+  const double* value = nullptr;
+  Index lanes = 1;
+};
+
 /// Symmetric (3N × 3N), upper half: the columns of row a are ≥ a, ascending, its diagonal block
 /// first; 9 numbers a block, row-major.
 struct BlockMatrix {
@@ -24,6 +33,11 @@ struct BlockMatrix {
     const auto end = column.begin() + row_begin[static_cast<std::size_t>(a) + 1];
     const auto place = std::lower_bound(begin, end, static_cast<std::int32_t>(b)) - column.begin();
     return Block(value.data() + 9 * place);
+  }
+
+  /// Row a alone.
+  [[nodiscard]] BlockRows row(Index a) const {
+    return {a, 1, value.data() + 9 * Index{row_begin[static_cast<std::size_t>(a)]}, 1};
   }
 
   /// y = A x for x (N × 3).

@@ -53,8 +53,9 @@ enum class Outcome : std::uint8_t {
 /// Optional capability of a LinearSolver: solves to a tolerance with symmetric matrices of 3 × 3
 /// blocks, as Newton's method makes them, some components of nodes being held.
 ///
-/// Contract: `analyse` once a pattern, then any number of `factor` and `solve`; what a solution is
-/// depends on nothing before the last `factor` that was told to renew.
+/// Contract: `analyse` once a pattern; then, any number of times, `put` for all rows of A, `factor`
+/// with one d or several in turn, `solve`. What a solution is depends on nothing before the last
+/// `factor` that was told to renew but the rows.
 class DEFORM_API BlockSolver {
  public:
   virtual ~BlockSolver();
@@ -63,9 +64,11 @@ class DEFORM_API BlockSolver {
   [[nodiscard]] virtual double block_suitability(Index nodes) const = 0;
   /// Bit c of held[a]: component c of node a is held at 0 (N).
   virtual void analyse(const BlockMatrix& pattern, const std::vector<std::uint8_t>& held) = 0;
-  /// Takes the values of A + diag(d), d (N) for x, y and z alike; unless `renew`, what was prepared
-  /// from earlier ones to solve faster (a preconditioner) may be kept.
-  virtual void factor(const BlockMatrix& a, const NodeValues& d, bool renew) = 0;
+  /// Takes the values of some rows of A. Thread-safe for different rows.
+  virtual void put(const BlockRows& rows) = 0;
+  /// Prepares to solve with A + diag(d), d (N) for x, y and z alike; unless `renew`, what was
+  /// prepared from earlier values to solve faster (a preconditioner) may be kept.
+  virtual void factor(const NodeValues& d, bool renew) = 0;
   /// (A + diag(d)) x = b on what is not held, x (N × 3) with b's error in a norm of the solver's
   /// choice reduced to `tolerance`; x is of no use unless that is what came of it.
   [[nodiscard]] virtual Outcome solve(const NodeVectors& b, double tolerance, NodeVectors& x) = 0;

@@ -2,6 +2,7 @@
 /// linear solves.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -88,6 +89,14 @@ struct NodeContact {
   double friction = 0;          ///< Coulomb's coefficient
 };
 
+/// What a tangent is evaluated for.
+enum class TangentUse : std::uint8_t {
+  any,
+  /// `solve_tangent_to` above all: rows go to a solver that takes them as they are made, and the
+  /// matrix is kept nowhere else. Whatever else wants it has it made again.
+  directions,
+};
+
 /// Seconds spent, by part of a step.
 struct StepTimes {
   double geometry = 0, assembly = 0, factorisation = 0, solve = 0, output = 0;
@@ -129,7 +138,7 @@ class DEFORM_API System {
   /// step, for Tangent::foreseen. `rate`: dv/dr of an implicit step [1/s], for what depends on
   /// velocities: where v = (r − b)·rate, its −∂f/∂v (or what bounds it) times `rate` is added.
   void evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before = nullptr,
-                             double rate = 0);
+                             double rate = 0, TangentUse use = TangentUse::any);
   /// Adds a symmetric 3 × 3 block [N/m] to the tangent of the last evaluate_with_tangent, on a
   /// node's diagonal: of forces that the System does not know.
   void stiffen(Index node, const Eigen::Matrix3d& block);

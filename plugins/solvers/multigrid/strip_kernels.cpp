@@ -1,0 +1,208 @@
+#include "strip_kernels.h"
+
+#include <type_traits>
+
+#include <deform/kernel.h>
+
+#include "vectors.h"
+
+// Of lambdas: they are compiled for the processor of the kernel that they are part of.
+#define DEFORM_INLINE __attribute__((always_inline))
+
+namespace multigrid {
+namespace {
+
+/// Rows at once, in single and in double precision.
+template <class Number>
+struct Rows;
+template <>
+struct Rows<float> {
+  using Many = SixteenFloats;
+  using Few = FourFloats;
+};
+template <>
+struct Rows<double> {
+  using Many = EightDoubles;
+  using Few = FourDoubles;
+};
+template <class Vector>
+inline constexpr Index kSize = sizeof(Vector) / sizeof(Vector{}[0]);
+
+/// What converts to a vector.
+template <class Vector>
+struct Narrow;
+template <>
+struct Narrow<EightDoubles> {
+  using Type = EightFloats;
+};
+template <>
+struct Narrow<FourDoubles> {
+  using Type = FourFloats;
+};
+
+/// As many rows as a vector has, of what has the same precision or half of it.
+template <class Vector>
+[[gnu::always_inline]] inline Vector rows(const float* from) {
+  if constexpr (sizeof(Vector{}[0]) == sizeof(float)) {
+    return load<Vector>(from);
+  } else {
+    return __builtin_convertvector(load<typename Narrow<Vector>::Type>(from), Vector);
+  }
+}
+template <class Vector>
+[[gnu::always_inline]] inline Vector rows(const double* from) {
+  return load<Vector>(from);
+}
+
+/// Entries of some rows, in turn: vectors of many rows, then of few.
+template <class Number, class Body>
+[[gnu::always_inline]] inline void each_rows(Index lanes, const Body& body) {
+  using Many = typename Rows<Number>::Many;
+  using Few = typename Rows<Number>::Few;
+  Index row = 0;
+  for (; row + kSize<Many> <= lanes; row += kSize<Many>) body(row, std::type_identity<Many>{});
+  for (; row < lanes; row += kSize<Few>) body(row, std::type_identity<Few>{});
+}
+
+/// A += v, at `to`.
+template <class Vector, class Number>
+[[gnu::always_inline]] inline void add_to(const Vector& v, Number* to) {
+  store(load<Vector>(to) + v, to);
+}
+
+/// One number an entry: a row's sums stay in registers over its entries.
+template <class Value, class X, class Sum>
+[[gnu::always_inline]] inline void multiply(const StripValues<Value>& of,
+                                            const Components<const X>& field,
+                                            const Components<Sum>& to_upper,
+                                            const Components<Sum>& to_lower) {
+  const StripValues<Value> a = of;
+  const Components<const X> x = field;
+  const Components<Sum> upper = to_upper, lower = to_lower;
+  each_rows<Sum>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
+    using Vector = typename decltype(kind)::type;
+    Vector of_row[3], sum[3];
+    const Vector diagonal = rows<Vector>(a.value + row);
+    for (Index c = 0; c < 3; ++c) {
+      of_row[c] = rows<Vector>(x.data + c * x.stride + row);
+      sum[c] = diagonal * of_row[c];
+    }
+    for (Index e = 1; e < a.entries; ++e) {
+      const Vector v = rows<Vector>(a.value + e * a.lanes + row);
+      const Index column = row + a.distance[e];
+      for (Index c = 0; c < 3; ++c) {
+        sum[c] += v * rows<Vector>(x.data + c * x.stride + column);
+        add_to(v * of_row[c], lower.data + c * lower.stride + column);
+      }
+    }
+    for (Index c = 0; c < 3; ++c) add_to(sum[c], upper.data + c * upper.stride + row);
+  });
+}
+
+}  // namespace
+
+/// Entry by entry, so that the matrix is read in the order in which it lies.
+DEFORM_KERNEL void multiply_blocks(const StripValues<float>& of,
+                                   const Components<const float>& field,
+                                   const Components<float>& to_upper,
+                                   const Components<float>& to_lower) {
+  const StripValues<float> a = of;
+  const Components<const float> x = field;
+  const Components<float> upper = to_upper, lower = to_lower;
+  for (Index e = 0; e < a.entries; ++e) {
+    const float* const value = a.value + 9 * e * a.lanes;
+    const Index distance = a.distance[e];
+    each_rows<float>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
+      using Vector = typename decltype(kind)::type;
+      Vector of_row[3], of_column[3];
+      for (Index c = 0; c < 3; ++c) {
+        of_row[c] = load<Vector>(x.data + c * x.stride + row);
+        of_column[c] = load<Vector>(x.data + c * x.stride + row + distance);
+      }
+      Vector along[3]{};  // what the column gets
+      for (Index i = 0; i < 3; ++i) {
+        Vector sum{};
+        for (Index j = 0; j < 3; ++j) {
+          const Vector v = load<Vector>(value + (3 * i + j) * a.lanes + row);
+          sum += v * of_column[j];
+          along[j] += v * of_row[i];
+        }
+        add_to(sum, upper.data + i * upper.stride + row);
+      }
+      if (e == 0) return;  // a diagonal block is its own mirror image
+      for (Index j = 0; j < 3; ++j)
+        add_to(along[j], lower.data + j * lower.stride + row + distance);
+    });
+  }
+}
+
+DEFORM_KERNEL void multiply_scalars(const StripValues<float>& a, const Components<const float>& x,
+                                    const Components<float>& upper,
+                                    const Components<float>& lower) {
+  multiply(a, x, upper, lower);
+}
+DEFORM_KERNEL void multiply_scalars(const StripValues<double>& a, const Components<const float>& x,
+                                    const Components<double>& upper,
+                                    const Components<double>& lower) {
+  multiply(a, x, upper, lower);
+}
+DEFORM_KERNEL void multiply_scalars(const StripValues<double>& a, const Components<const double>& x,
+                                    const Components<double>& upper,
+                                    const Components<double>& lower) {
+  multiply(a, x, upper, lower);
+}
+
+DEFORM_KERNEL void add_magnitudes(const StripValues<float>& of, float* upper, float* lower) {
+  const StripValues<float> a = of;
+  for (Index e = 0; e < a.entries; ++e) {
+    const float* const value = a.value + e * a.lanes;
+    float* const column = lower + a.distance[e];
+    each_rows<float>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
+      using Vector = typename decltype(kind)::type;
+      const Vector v = load<Vector>(value + row);
+      const Vector magnitude = v < 0 ? -v : v;
+      add_to(magnitude, upper + row);
+      if (e > 0) add_to(magnitude, column + row);
+    });
+  }
+}
+
+namespace {
+
+template <class Sum, class Out>
+[[gnu::always_inline]] inline void add_both(Index size, const Sum* upper, const Sum* lower,
+                                            Out* out) {
+#pragma GCC ivdep
+  for (Index i = 0; i < size; ++i) out[i] = static_cast<Out>(upper[i] + lower[i]);
+}
+template <class Sum, class Out>
+[[gnu::always_inline]] inline void add_one(Index size, const Sum* part, Out* out) {
+#pragma GCC ivdep
+  for (Index i = 0; i < size; ++i) out[i] = static_cast<Out>(static_cast<Sum>(out[i]) + part[i]);
+}
+
+}  // namespace
+
+DEFORM_KERNEL void add_halves(Index size, const float* upper, const float* lower, float* out) {
+  add_both(size, upper, lower, out);
+}
+DEFORM_KERNEL void add_halves(Index size, const double* upper, const double* lower, float* out) {
+  add_both(size, upper, lower, out);
+}
+DEFORM_KERNEL void add_halves(Index size, const double* upper, const double* lower, double* out) {
+  add_both(size, upper, lower, out);
+}
+DEFORM_KERNEL void add_part(Index size, const float* part, float* out) { add_one(size, part, out); }
+DEFORM_KERNEL void add_part(Index size, const double* part, float* out) {
+  add_one(size, part, out);
+}
+DEFORM_KERNEL void add_part(Index size, const double* part, double* out) {
+  add_one(size, part, out);
+}
+
+DEFORM_KERNEL void narrow(Index size, const double* from, float* to) {
+#pragma GCC ivdep
+  for (Index i = 0; i < size; ++i) to[i] = static_cast<float>(from[i]);
+}
+
+}  // namespace multigrid
