@@ -114,7 +114,9 @@ void geometry_and_force(benchmark::State& bench) {
 void geometry_force_and_tangent(benchmark::State& bench) {
   const auto threads = limit(bench);
   Hanging h(bench.range(0));
-  for (auto _ : bench) h.system().evaluate_with_tangent(h.next(), Tangent::projected, nullptr, 0);
+  for (auto _ : bench)
+    h.system().evaluate_with_tangent(h.next(), Tangent::projected, nullptr, 0,
+                                     TangentUse::directions);
   const Sizes s = sizes_of(h);
   const Surface& surface = h.system().surface();
   count(bench, 2 * kPosition * s.nodes + kRest * s.samples + kBlock3 * s.blocks,
@@ -128,7 +130,7 @@ void solve(benchmark::State& bench) {
   const auto threads = limit(bench);
   Hanging h(bench.range(0));
   System& system = h.system();
-  system.evaluate_with_tangent(h.next(), Tangent::projected, nullptr, 0);
+  system.evaluate_with_tangent(h.next(), Tangent::projected, nullptr, 0, TangentUse::directions);
   const NodeValues inertia = system.mass() / 1e-4;
   const NodeVectors b = system.force();
   NodeVectors x;
@@ -150,7 +152,7 @@ void prepare_solver(benchmark::State& bench) {
   const auto threads = limit(bench);
   Hanging h(bench.range(0));
   System& system = h.system();
-  system.evaluate_with_tangent(h.next(), Tangent::projected, nullptr, 0);
+  system.evaluate_with_tangent(h.next(), Tangent::projected, nullptr, 0, TangentUse::directions);
   const NodeValues inertia = system.mass() / 1e-4;
   const NodeVectors b = NodeVectors::Zero(system.nodes(), 3);
   NodeVectors x;

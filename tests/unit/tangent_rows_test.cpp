@@ -1,16 +1,18 @@
 /// Rows of tangents, made and moved side by side: as one by one.
 #include "solve/tangent_rows.h"
 
+#include <array>
 #include <limits>
 #include <random>
 
+#include <Eigen/Core>
 #include <gtest/gtest.h>
 
 namespace deform {
 namespace {
 
-class TangentRows : public testing::TestWithParam<Index> {
- protected:
+class SomeNumbers {
+ public:
   std::vector<double> some_numbers(std::size_t size) {
     std::vector<double> numbers(size);
     for (double& x : numbers) x = uniform_(random_);
@@ -21,6 +23,9 @@ class TangentRows : public testing::TestWithParam<Index> {
   std::mt19937 random_{7};
   std::uniform_real_distribution<double> uniform_{-1, 1};
 };
+
+class TangentRows : public SomeNumbers, public testing::TestWithParam<Index> {};
+class TangentRowKinds : public SomeNumbers, public testing::TestWithParam<bool> {};
 
 /// Rows side by side, and where each is to go.
 struct Moved {
@@ -80,24 +85,83 @@ TEST(TangentRow, WithSomethingNotFiniteIsFoundOut) {
   EXPECT_TRUE(store_row(row.data(), 9, to.data(), false));
 }
 
-/// Numbers that lie further on by a lane belong to the next row.
-TEST_F(TangentRows, SideBySideHaveTheBitsOfOneByOne) {
+/// Two samples, three parts, three blocks, of which one has none.
+TangentPlan some_plan() {
   TangentPlan plan;
-  plan.left = {{1, 0, false, true, 0.5}, {1, 1, true, false, -2}, {2, 1, false, true, 3}};
-  plan.right = {{1, 0, 0.25}, {2, 0, -1}, {1, 2, 4}};
-  plan.samples = {{0, 3, 0, 3}, {0, 2, 2, 3}};
-  constexpr Index kNumbers = 27;
-  const std::vector<double> h = some_numbers(static_cast<std::size_t>(2 * 18 * kSampleLanes));
-  const std::vector<std::uint32_t> places = {3, 18 * kSampleLanes};
-  std::vector<double> rows(static_cast<std::size_t>(kNumbers * kRowLanes), 0);
-  add_to_rows(plan, h.data(), places.data(), rows.data());
-  for (std::uint32_t k = 0; k < kRowLanes; ++k) {
-    std::vector<double> row(kNumbers, 0);
-    const std::vector<std::uint32_t> of_row = {places[0] + k, places[1] + k};
-    add_to_row(plan, h.data(), of_row.data(), row.data());
-    for (std::size_t i = 0; i < row.size(); ++i)
-      ASSERT_EQ(rows[i * kRowLanes + k], row[i]) << k << ", " << i;
+  plan.left = {{0, false, 0.5}, {1, true, -2}, {1, false, 3}, {0, true, 1.5}};
+  plan.parts = {{0, 2}, {0, 3}, {1, 4}};
+  plan.right = {{0, 0.25}, {1, -1}, {2, 4}, {0, 3}, {2, -0.5}};
+  plan.right_end = {3, 3, 5};
+  plan.samples = 2;
+  return plan;
+}
+constexpr Index kBlocks = 2, kNumbers = 27;  // of a sample; of a row
+
+/// Numbers that lie further on by a lane belong to the next row.
+TEST_P(TangentRowKinds, SideBySideHaveTheBitsOfOneByOne) {
+  const TangentPlan plan = some_plan();
+  const std::vector<double> h = some_numbers(2 * 9 * kBlocks * kSampleLanes);
+  const std::vector<std::uint32_t> places = {3, 9 * kBlocks * kSampleLanes};
+  std::vector<double> room(room_for(plan));
+  for (const bool adds : {false, true}) {
+    const std::vector<double> before = some_numbers(kNumbers * kRowLanes);
+    std::vector<double> rows = before;
+    make_rows(plan, {h.data(), places.data(), GetParam(), kBlocks}, adds, room.data(), rows.data());
+    for (std::uint32_t k = 0; k < kRowLanes; ++k) {
+      std::vector<double> row(kNumbers);
+      for (std::size_t i = 0; i < row.size(); ++i) row[i] = before[i * kRowLanes + k];
+      const std::vector<std::uint32_t> of_row = {places[0] + k, places[1] + k};
+      make_row(plan, {h.data(), of_row.data(), GetParam(), kBlocks}, adds, room.data(), row.data());
+      for (std::size_t i = 0; i < row.size(); ++i)
+        ASSERT_EQ(rows[i * kRowLanes + k], row[i]) << k << ", " << i;
+    }
   }
+}
+INSTANTIATE_TEST_SUITE_P(AlongTheNormal, TangentRowKinds, testing::Bool());
+
+/// Blocks c n nᵀ, by c and n or by their nine numbers.
+TEST_F(TangentRowKinds, AlongTheNormalAreThoseOfItsBlocks) {
+  const TangentPlan plan = some_plan();
+  const std::vector<std::uint32_t> places = {0, 9 * kBlocks * kSampleLanes};
+  const std::vector<double> c = some_numbers(2 * 9 * kBlocks * kSampleLanes);
+  std::vector<double> h(c.size());
+  for (const std::uint32_t sample : places)
+    for (std::size_t k = 0; k < kRowLanes; ++k) {
+      const auto number = [&](std::size_t q) { return c[sample + q * kSampleLanes + k]; };
+      const Eigen::Vector3d n(number(kBlocks), number(kBlocks + 1), number(kBlocks + 2));
+      for (std::size_t block = 0; block < kBlocks; ++block)
+        for (std::size_t q = 0; q < 9; ++q)
+          h[sample + (9 * block + q) * kSampleLanes + k] =
+              number(block) * n[static_cast<Index>(q / 3)] * n[static_cast<Index>(q % 3)];
+    }
+  std::vector<double> room(room_for(plan)), rows(kNumbers * kRowLanes), expected(rows);
+  make_rows(plan, {c.data(), places.data(), true, kBlocks}, false, room.data(), rows.data());
+  make_rows(plan, {h.data(), places.data(), false, kBlocks}, false, room.data(), expected.data());
+  for (std::size_t i = 0; i < rows.size(); ++i) ASSERT_NEAR(rows[i], expected[i], 1e-13) << i;
+}
+
+/// Σ d (Σ l h) by the plan as it reads.
+TEST_F(TangentRowKinds, AreTheSumsThatThePlanSays) {
+  const TangentPlan plan = some_plan();
+  const std::vector<std::uint32_t> places = {2, 9 * kBlocks * kSampleLanes};
+  const std::vector<double> h = some_numbers(2 * 9 * kBlocks * kSampleLanes);
+  const auto block = [&](std::size_t sample, std::size_t b) {
+    Eigen::Matrix3d m;
+    for (std::size_t q = 0; q < 9; ++q)
+      m(static_cast<Index>(q / 3), static_cast<Index>(q % 3)) =
+          h[places[sample] + (9 * b + q) * kSampleLanes];
+    return m;
+  };
+  const std::array<Eigen::Matrix3d, 3> parts{0.5 * block(0, 0) - 2 * block(0, 1).transpose(),
+                                             3 * block(0, 1), 1.5 * block(1, 0).transpose()};
+  const std::array<Eigen::Matrix3d, 3> expected{0.25 * parts[0] - parts[1] + 4 * parts[2],
+                                                Eigen::Matrix3d::Zero(),
+                                                3 * parts[0] - 0.5 * parts[2]};
+  std::vector<double> room(room_for(plan)), row(kNumbers, 1);
+  make_row(plan, {h.data(), places.data(), false, kBlocks}, false, room.data(), row.data());
+  for (std::size_t i = 0; i < row.size(); ++i)
+    EXPECT_NEAR(row[i], expected[i / 9](static_cast<Index>(i % 9 / 3), static_cast<Index>(i % 3)),
+                1e-14);
 }
 
 }  // namespace

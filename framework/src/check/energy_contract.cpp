@@ -1,4 +1,6 @@
 /// Energy terms: gradients, lagged operators, momenta, blocks.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -39,6 +41,37 @@ class JetBench {
       evaluate_stress(block, prefill, all);
     }
     return all;
+  }
+
+  /// The largest difference of second derivatives from the multiples of n nᵀ that the term
+  /// promises, relative to the largest.
+  [[nodiscard]] double normal_tangent_error(Tangent kind) const {
+    JetTangent::Places places{};
+    std::int16_t blocks = 0;
+    for (std::size_t m = 1; m < kDerivatives; ++m)
+      for (std::size_t n = m; n < kDerivatives; ++n) places[m][n] = blocks++;
+    const Index size = samples_.size(), numbers = Index{9} * blocks * size;
+    std::vector<double> h(static_cast<std::size_t>(numbers), 0.0), c(h);
+    double largest = 0, difference = 0;
+    for (Index first = 0; first < size; first += kBlock) {
+      const SampleBlock block = block_at(first, std::min(kBlock, size - first));
+      const JetTangent whole(h.data() + first, size, places, block.size());
+      const NormalTangent along(c.data() + first, size, places, block.size());
+      term_.tangent(block, kind, whole);
+      term_.normal_tangent(block, kind, along);
+      for (int m = 1; m < kDerivatives; ++m)
+        for (int n = m; n < kDerivatives; ++n)
+          for (Index s = 0; s < 9 * block.size(); ++s) {
+            const auto [i, j, at] = std::array{s % 3, s / 3 % 3, s / 9};
+            const auto dm = static_cast<Derivative>(m), dn = static_cast<Derivative>(n);
+            const Vec3 normal = block.now.n()[at];
+            const double entry = whole.entry(dm, dn, static_cast<int>(i), static_cast<int>(j))[at];
+            largest = std::max(largest, std::abs(entry));
+            difference = std::max(
+                difference, std::abs(entry - along.entry(dm, dn)[at] * normal[i] * normal[j]));
+          }
+    }
+    return largest > 0 ? difference / largest : difference;
   }
 
  private:
@@ -162,6 +195,15 @@ void check_reading(const JetTerm& term, const Surface& surface, const NodeVector
                "it reads second derivatives, too");
 }
 
+void check_normal_tangents(const JetTerm& term, const JetBench& bench, Checks& checks) {
+  if (!term.traits().potential) return;
+  for (const Tangent kind :
+       {Tangent::exact, Tangent::projected, Tangent::gauss_newton, Tangent::foreseen})
+    if (term.has_normal_tangent(kind))
+      checks.below("tangents along the normal: those that `tangent` gives, relative",
+                   bench.normal_tangent_error(kind), 1e-12);
+}
+
 void check_blocks_of(const EnergyTerm& term, const Surface& surface, Checks& checks) {
   const NodeVectors r = disturbed(surface.rest(), kStrain).r;
   if (const auto* tuples = dynamic_cast<const TupleTerm*>(&term)) {
@@ -171,6 +213,7 @@ void check_blocks_of(const EnergyTerm& term, const Surface& surface, Checks& che
     const auto bench =
         std::make_shared<JetBench>(*jets, surface, r, detail_of(*jets, jets->traits()));
     check_evaluation(checks, in_sample_order(bench, surface.samples(jets->role()).size()), true);
+    check_normal_tangents(*jets, *bench, checks);
   } else {
     checks.holds("is a JetTerm or a TupleTerm, or a sum of such", false,
                  "it is neither: no force comes of it");

@@ -59,6 +59,14 @@ void JetTerm::affine_stress(const SampleBlock& /*block*/, const AffineStress& /*
               "the term promises a lagged operator but has no affine_stress");
 }
 
+bool JetTerm::has_normal_tangent(Tangent /*kind*/) const { return false; }
+
+void JetTerm::normal_tangent(const SampleBlock& /*block*/, Tangent /*kind*/,
+                             const NormalTangent& /*c*/) const {
+  throw Error(ExitCode::plugin_failed,
+              "the term promises tangents along the normal but does not compute them");
+}
+
 void JetTerm::auxiliary(const SampleBlock& /*block*/, std::span<const Values> /*fields*/) const {
   throw Error(ExitCode::plugin_failed,
               "the term declares auxiliary fields but does not compute them");

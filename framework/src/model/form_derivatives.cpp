@@ -132,6 +132,14 @@ void add_curvature_stress(const GeometryBlock& geometry, const GeometryBlock& or
   add_curvature_stress(geometry.size(), jet, out);
 }
 
+void add_normal_tangent(const GeometryBlock& geometry, const FormStiffness& C,
+                        const NormalTangent& to) {
+  const CurvatureStiffness c(geometry, C);
+  for (int m = 0; m < kJet; ++m)
+    for (int k = m; k < kJet; ++k)
+      add_numbers(geometry.size(), c(m, k), to.entry(derivative(m), derivative(k)));
+}
+
 void add_curvature_tangent(const GeometryBlock& geometry, const FormStiffness& C,
                            const BlockTensor* M, const JetTangent& h) {
   const Index size = geometry.size();

@@ -139,6 +139,11 @@ DEFORM_KERNEL void add_block(Index size, const MetricBlock& of, const EntriesOut
   }
 }
 
+DEFORM_KERNEL void add_numbers(Index size, const double* x, double* to) {
+  DEFORM_SAMPLES
+  for (Index s = 0; s < size; ++s) to[s] += x[s];
+}
+
 DEFORM_KERNEL void add_normal_block(Index size, const double* c, const Components& n,
                                     const EntriesOut& to) {
   const EntriesOut out = to;

@@ -59,6 +59,8 @@ struct MetricBlock {
 };
 void add_block(Index size, const MetricBlock& of, const EntriesOut& to);
 
+/// to += x, one number a sample.
+void add_numbers(Index size, const double* x, double* to);
 /// to += c n nᵀ.
 void add_normal_block(Index size, const double* c, const Components& n, const EntriesOut& to);
 /// to += c n nᵀ − λ n uᵀ.

@@ -6,6 +6,7 @@
 #include "deform/kernel.h"
 
 #include "model/form_derivatives.h"
+#include "model/form_kernels.h"
 
 namespace deform {
 namespace {
@@ -16,14 +17,16 @@ ConstValues form(const GeometryBlock& geometry, Form which, Pair a) {
   return which == Form::metric ? geometry.G(a) : geometry.B(a);
 }
 
+DEFORM_KERNEL void subtract(Index size, const double* __restrict a, const double* __restrict b,
+                            double* __restrict out) {
+  for (Index s = 0; s < size; ++s) out[s] = a[s] - b[s];
+}
+
 /// T_a − T⁰_a, T⁰ being that of the origin.
 void find_change(const SampleBlock& block, Form which, BlockTensor& x) {
-  for (const Pair a : kPairs) {
-    const double *now = form(block.now, which, a).data(),
-                 *origin = form(block.origin, which, a).data();
-    BlockValues& out = x[static_cast<std::size_t>(slot(a))];
-    for (Index s = 0; s < block.size(); ++s) out[static_cast<std::size_t>(s)] = now[s] - origin[s];
-  }
+  for (const Pair a : kPairs)
+    subtract(block.size(), form(block.now, which, a).data(), form(block.origin, which, a).data(),
+             x[static_cast<std::size_t>(slot(a))].data());
 }
 
 /// G − G⁰ as it was foreseen at the lagged state: δG_ij = r_i·δr_j + r_j·δr_i without δr_i·δr_j.
@@ -45,6 +48,7 @@ DEFORM_KERNEL void find_isotropic(Index size, const double* __restrict R_11,
                                   double nu, const std::array<double*, 6>& C) {
   double *const c_0 = C[0], *const c_1 = C[1], *const c_2 = C[2], *const c_3 = C[3],
                 *const c_4 = C[4], *const c_5 = C[5];
+#pragma GCC ivdep
   for (Index s = 0; s < size; ++s) {
     const double g_11 = R_11[s], g_12 = R_12[s], g_22 = R_22[s];
     const double f = 2 * (factor[s] * area[s]), v_12 = 2 * g_12;
@@ -78,10 +82,6 @@ DEFORM_KERNEL void make_semidefinite(Index size, double* __restrict K_11, double
     K_12[s] *= of_K;
     K_22[s] = of_K * K_22[s] + of_I;
   }
-}
-
-DEFORM_KERNEL void add_values(Index size, const double* __restrict x, double* __restrict out) {
-  for (Index s = 0; s < size; ++s) out[s] += x[s];
 }
 
 /// The constant parts of a potential's stress.
@@ -192,8 +192,8 @@ void QuadraticTerm::add_metric_stress(const SampleBlock& block, const FormStiffn
   stress_to_stiffness(block.size(), K[0].data(), K[2].data());
   for (const int i : {1, 2})
     for (const int j : {1, 2})
-      add_values(block.size(), K[static_cast<std::size_t>(i + j - 2)].data(),
-                 sigma.k(first(i), first(j)).data());
+      add_numbers(block.size(), K[static_cast<std::size_t>(i + j - 2)].data(),
+                  sigma.k(first(i), first(j)).data());
 }
 
 void QuadraticTerm::add_curvature_stress(const SampleBlock& block, const FormStiffness& C,
@@ -201,8 +201,8 @@ void QuadraticTerm::add_curvature_stress(const SampleBlock& block, const FormSti
   const Index size = block.size();
   const CurvatureStiffness c(block.now, C);
   for (const auto& [m, n] : couplings_of_curvature(is_diagonal()))
-    add_values(size, c(std::min(slot(m), slot(n)) - 1, std::max(slot(m), slot(n)) - 1),
-               sigma.k(m, n).data());
+    add_numbers(size, c(std::min(slot(m), slot(n)) - 1, std::max(slot(m), slot(n)) - 1),
+                sigma.k(m, n).data());
   // What the change has beside B: −B⁰.
   BlockTensor x, M;
   for (const Pair a : kPairs) {
@@ -225,6 +225,17 @@ void QuadraticTerm::tangent(const SampleBlock& block, Tangent kind, const JetTan
   find_change(block, Form::curvature, x);
   multiply(c, x, block.size(), M);
   add_curvature_tangent(block.now, c, &M, h);
+}
+
+bool QuadraticTerm::has_normal_tangent(Tangent kind) const {
+  return form_ == Form::curvature && is_semidefinite(kind);
+}
+
+void QuadraticTerm::normal_tangent(const SampleBlock& block, Tangent /*kind*/,
+                                   const NormalTangent& c) const {
+  FormStiffness C(block.size());
+  stiffness(block.rest, C);
+  deform::add_normal_tangent(block.now, C, c);
 }
 
 Eigen::Matrix3d weighted_norm_stiffness(double factor, const PairWeights& weights) {

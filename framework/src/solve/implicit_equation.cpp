@@ -133,6 +133,7 @@ std::string ImplicitEquation::find_direction(State& state, Tangent& kind, NodeVe
     evaluate_tangent(state, kind, nullptr);
     reason = solve(diagonal_);
   }
+  if (reason.empty()) return "";
   // Loads that follow the surface are in it as they are: with as much stiffness as it takes.
   const NodeValues mean = system_->mean_stiffness().cwiseMax(0);
   for (double more = kLeastShift; !reason.empty() && more <= 1; more *= 10)

@@ -116,6 +116,7 @@ void System::Impl::update_geometry(const NodeVectors& r) {
   } else {
     current = other;
   }
+  if (!held && start.rows() == r.rows() && start == r) held = current;
   if (external.needs_normals()) update_normals();
 }
 
@@ -185,9 +186,22 @@ std::vector<std::string> System::notes() const {
   return notes;
 }
 
+/// Where the geometry of the step's start is; it is computed when somebody asks, as few do.
+std::size_t System::Impl::place_of_start() {
+  if (held || start.rows() == 0) return held.value_or(current);
+  const Stopwatch watch(times.geometry, "geometry of the step's start");
+  const std::size_t place = 1 - current;
+  for (SetPart& set : sets) set.compute(set.geometry[place], start);
+  known[place] = start;
+  held = place;
+  return place;
+}
+
 void System::begin_step(const State& state) {
-  impl_->update_geometry(state.r);
-  impl_->held = impl_->current;
+  impl_->held.reset();
+  impl_->start = state.r;
+  for (std::size_t i = 0; i < impl_->known.size(); ++i)
+    if (impl_->known[i].rows() == state.r.rows() && impl_->known[i] == state.r) impl_->held = i;
   std::vector<double> residuals = std::move(impl_->report.residuals);
   residuals.clear();  // its memory is kept
   impl_->report = {};
@@ -199,7 +213,7 @@ const Geometry& System::geometry(const SampleSet& samples) const {
   return impl_->complete_geometry(samples, impl_->current);
 }
 const Geometry& System::previous_geometry(const SampleSet& samples) const {
-  return impl_->complete_geometry(samples, impl_->held.value_or(impl_->current));
+  return impl_->complete_geometry(samples, impl_->place_of_start());
 }
 const Geometry& System::rest_geometry(const SampleSet& samples) const {
   return impl_->set_of(samples).rest;

@@ -35,7 +35,7 @@ void System::Impl::update_damping(const NodeVectors& r) {
     set.compute(set.damped, r);
     return {set.damped, set.damped, set.rest};
   };
-  tangents.assemble(geometries_of_sets(of), Tangent::gauss_newton, factors, damping);
+  tangents.assemble({geometries_of_sets(of), Tangent::gauss_newton, factors}, damping);
   for (TupleAssembler& t : tuples)
     t.add_tangent(r, Tangent::gauss_newton, damping, factors[t.number()]);
   damped_at = r;
@@ -56,8 +56,9 @@ void System::Impl::add_strain_damping(NodeVectors& f) {
 
 void System::Impl::add_strain_damping_tangent(Tangent kind, BlockMatrix& sum) {
   const std::vector<double> factors = damping_factors(true);
-  tangents.assemble(geometries_of_sets([&](SetPart& set) { return since_begun(set); }),
-                    kind == Tangent::foreseen ? Tangent::exact : kind, factors, sum, true);
+  tangents.assemble({geometries_of_sets([&](SetPart& set) { return since_begun(set); }),
+                     kind == Tangent::foreseen ? Tangent::exact : kind, factors},
+                    sum, true);
 }
 
 void System::Impl::add_material_damping(const State& state, NodeVectors& f) {

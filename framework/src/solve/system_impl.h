@@ -76,6 +76,7 @@ struct System::Impl {
     return {set.geometry[current], set.geometry[current], set.rest};
   }
   void update_geometry(const NodeVectors& r);
+  [[nodiscard]] std::size_t place_of_start();
   [[nodiscard]] const Geometry& complete_geometry(const SampleSet& samples, std::size_t place);
   void update_normals();
   void evaluate_internal(const State& state, JetAssembler::Part part);
@@ -95,7 +96,8 @@ struct System::Impl {
 
   std::array<NodeVectors, 2> known;  // positions of geometry[0] and [1]
   std::size_t current = 0;           // which of both is that of the last updated state
-  std::optional<std::size_t> held;   // which is that of the step's start
+  std::optional<std::size_t> held;   // which is that of the step's start, if either is
+  NodeVectors start;                 // positions there
   NodeVectors normals;               // at the nodes, of the current geometry
 
   std::vector<Geometries> all_geometries;

@@ -67,19 +67,20 @@ std::span<const Geometries> System::Impl::geometries_of_tangent() {
 bool System::Impl::give_tangent_to_solver() {
   tangent_is_whole = false, solver_has_tangent = true;
   const std::vector<std::int32_t>& begin = tangent.row_begin;
-  return tangents.make_rows(geometries_of_tangent(), tangent_kind, {}, [&](const BlockRows& rows) {
-    const auto row = static_cast<std::size_t>(rows.row);
-    tangent_solver->put(rows);
-    return rows_are_finite(rows.value, rows.size, 9 * Index{begin[row + 1] - begin[row]},
-                           rows.lanes);
-  });
+  return tangents.make_rows(
+      {geometries_of_tangent(), tangent_kind, {}}, [&](const BlockRows& rows) {
+        const auto row = static_cast<std::size_t>(rows.row);
+        tangent_solver->put(rows);
+        return rows_are_finite(rows.value, rows.size, 9 * Index{begin[row + 1] - begin[row]},
+                               rows.lanes);
+      });
 }
 
 /// The same rows, and the diagonal, to the whole matrix.
 bool System::Impl::make_tangent() {
   tangent_is_whole = true, solver_has_tangent = false;
   tangent.value.resize(9 * tangent.column.size());
-  const bool is_finite = tangents.assemble(geometries_of_tangent(), tangent_kind, {}, tangent);
+  const bool is_finite = tangents.assemble({geometries_of_tangent(), tangent_kind, {}}, tangent);
   for (Index a = 0; a < tangent.nodes; ++a)
     tangent.block(a, a).diagonal().array() += tangent_diagonal[a];
   return is_finite;

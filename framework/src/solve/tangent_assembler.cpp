@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <vector>
 
 #include "plugin/guard.h"
 
@@ -37,27 +38,48 @@ bool TangentAssembler::depends(const GatherTable::Coefficients& l) const {
                              [&](int m) { return l[static_cast<std::size_t>(m)] != 0; });
 }
 
+bool TangentAssembler::is_normal(Tangent kind) const {
+  return std::ranges::all_of(terms_->terms(), [&](const JetAssembler::Term& t) {
+    return !t.traits.potential || guarded(t.origin, "saying what its tangent is",
+                                          [&] { return t.term->has_normal_tangent(kind); });
+  });
+}
+
+void TangentAssembler::evaluate_term(const JetAssembler::Term& term, const SampleBlock& block,
+                                     Tangent kind, const Numbers& to) const {
+  guarded(term.origin, "computing its tangent", [&] {
+    if (to.along_normal)
+      term.term->normal_tangent(block, kind, NormalTangent(to.h, to.stride, places_, to.size));
+    else
+      term.term->tangent(block, kind, JetTangent(to.h, to.stride, places_, to.size));
+  });
+}
+
 void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
                                 const std::vector<double>& factors, Index first, Index size,
-                                double* h, Index stride) const {
-  std::fill_n(h, numbers() * stride, 0.0);
-  const JetTangent tangent(h, stride, places_, size);
+                                bool along_normal, double* h, Index stride) const {
+  const Index count = along_normal ? blocks() : numbers();
+  std::fill_n(h, count * stride, 0.0);
   const SampleBlock block = terms_->sample_block(geometries, first, size);
   thread_local std::vector<double> one;  // of a term that is multiplied
   for (const JetAssembler::Term& t : terms_->terms()) {
     const double factor = factors.empty() ? 1 : factors[t.number];
     if (!t.traits.potential || factor == 0) continue;
     if (factor == 1) {
-      guarded(t.origin, "computing its tangent", [&] { t.term->tangent(block, kind, tangent); });
+      evaluate_term(t, block, kind, {h, stride, size, along_normal});
       continue;
     }
-    one.assign(static_cast<std::size_t>(size * numbers()), 0.0);
-    const JetTangent alone(one.data(), size, places_, size);
-    guarded(t.origin, "computing its tangent", [&] { t.term->tangent(block, kind, alone); });
-    for (Index q = 0; q < numbers(); ++q)
+    one.assign(static_cast<std::size_t>(size * count), 0.0);
+    evaluate_term(t, block, kind, {one.data(), size, size, along_normal});
+    for (Index q = 0; q < count; ++q)
       for (Index s = 0; s < size; ++s)
         h[q * stride + s] += factor * one[static_cast<std::size_t>(q * size + s)];
   }
+  if (!along_normal) return;
+  const ConstVectors n = block.now.n();
+  std::copy_n(n.x, size, h + count * stride);
+  std::copy_n(n.y, size, h + (count + 1) * stride);
+  std::copy_n(n.z, size, h + (count + 2) * stride);
 }
 
 bool TangentAssembler::goes_on(Index a) const {
@@ -67,47 +89,55 @@ bool TangentAssembler::goes_on(Index a) const {
                              [&](std::int32_t s) { return terms_->samples().run_end(s) > s + 1; });
 }
 
+/// Which numbers of a sample make row a of Σ_m D_mᵀ A h_mn, l being the row's coefficients.
+std::vector<TangentPlan::Left> TangentAssembler::left_of(const GatherTable::Coefficients& l,
+                                                         int n) const {
+  std::vector<TangentPlan::Left> left;
+  const auto add = [&](std::size_t q, bool is_transposed, int m) {
+    if (const double factor = l[static_cast<std::size_t>(m)]; factor != 0)
+      left.push_back({static_cast<std::int16_t>(q), is_transposed, factor});
+  };
+  for (std::size_t q = 0; q < blocks_.size(); ++q) {
+    if (blocks_[q].n == n) add(q, false, blocks_[q].m);
+    if (blocks_[q].m == n && blocks_[q].n != n) add(q, true, blocks_[q].n);
+  }
+  return left;
+}
+
 void TangentAssembler::make_plan(const BlockMatrix& pattern, Index a, TangentPlan& plan,
                                  std::vector<std::int32_t>& samples) const {
   plan = {};
-  if (blocks_.empty()) return;
-  const auto columns_begin =
-      pattern.column.begin() + pattern.row_begin[static_cast<std::size_t>(a)];
-  const auto columns_end =
-      pattern.column.begin() + pattern.row_begin[static_cast<std::size_t>(a) + 1];
+  const std::span<const std::int32_t> columns = pattern.columns(a);
+  std::vector<std::vector<TangentPlan::Right>> right(columns.size());
   const GatherTable::Row row = terms_->gather().row(a);
   for (std::size_t e = 0; e < row.samples.size(); ++e) {
-    const GatherTable::Coefficients& l = row.l[e];
-    TangentPlan::Sample at{static_cast<std::uint32_t>(plan.left.size()), 0,
-                           static_cast<std::uint32_t>(plan.right.size()), 0};
-    std::array<bool, kDerivatives> has_part{};
-    const auto add = [&](int n, std::size_t block, bool is_transposed, double factor) {
-      if (factor == 0) return;
-      bool& has = has_part[static_cast<std::size_t>(n)];
-      plan.left.push_back({static_cast<std::int16_t>(n), static_cast<std::int16_t>(block),
-                           is_transposed, !has, factor});
-      has = true;
-    };
-    for (std::size_t q = 0; q < blocks_.size(); ++q) {
-      const auto& [m, n] = blocks_[q];
-      add(n, q, false, l[static_cast<std::size_t>(m)]);
-      if (m != n) add(m, q, true, l[static_cast<std::size_t>(n)]);
-    }
     const SampleSet::Stencil stencil = terms_->samples().stencil(row.samples[e]);
-    for (std::size_t b = 0; b < stencil.nodes.size(); ++b) {
-      const auto column = std::lower_bound(columns_begin, columns_end, stencil.nodes[b]);
-      if (column == columns_end || *column != stencil.nodes[b]) continue;  // of the lower half
-      for (const int n : derivatives_)
-        if (const double d = stencil.d[b][static_cast<std::size_t>(n)];
-            d != 0 && has_part[static_cast<std::size_t>(n)])
-          plan.right.push_back(
-              {static_cast<std::int16_t>(n), static_cast<std::int16_t>(column - columns_begin), d});
+    const std::size_t parts = plan.parts.size();
+    for (const int n : derivatives_) {
+      const std::vector<TangentPlan::Left> left = left_of(row.l[e], n);
+      if (left.empty()) continue;
+      const auto part = static_cast<std::uint16_t>(plan.parts.size());
+      bool is_used = false;
+      for (std::size_t b = 0; b < stencil.nodes.size(); ++b) {
+        const double d = stencil.d[b][static_cast<std::size_t>(n)];
+        const auto column = std::ranges::lower_bound(columns, stencil.nodes[b]);
+        if (d == 0 || column == columns.end() || *column != stencil.nodes[b])
+          continue;  // nothing, or of the lower half
+        right[static_cast<std::size_t>(column - columns.begin())].push_back({part, d});
+        is_used = true;
+      }
+      if (!is_used) continue;
+      plan.left.insert(plan.left.end(), left.begin(), left.end());
+      plan.parts.push_back(
+          {static_cast<std::uint16_t>(plan.samples), static_cast<std::uint32_t>(plan.left.size())});
     }
-    at.left_end = static_cast<std::uint32_t>(plan.left.size());
-    at.right_end = static_cast<std::uint32_t>(plan.right.size());
-    if (at.left == at.left_end || at.right == at.right_end) continue;
-    plan.samples.push_back(at);
+    if (plan.parts.size() == parts) continue;
+    ++plan.samples;
     samples.push_back(row.samples[e]);
+  }
+  for (const std::vector<TangentPlan::Right>& of_block : right) {
+    plan.right.insert(plan.right.end(), of_block.begin(), of_block.end());
+    plan.right_end.push_back(static_cast<std::uint32_t>(plan.right.size()));
   }
 }
 

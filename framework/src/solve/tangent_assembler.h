@@ -21,13 +21,18 @@ class TangentAssembler {
   template <class Visit>
   void visit_pattern(const Visit& visit) const;
 
-  /// How many numbers a sample has: 9 for each pair of derivatives that some density depends on.
-  [[nodiscard]] Index numbers() const { return static_cast<Index>(blocks_.size()) * 9; }
+  /// Pairs of derivatives, m ≤ n, that some density depends on.
+  [[nodiscard]] Index blocks() const { return static_cast<Index>(blocks_.size()); }
+  /// How many numbers a sample has, at most: 9 for each of these.
+  [[nodiscard]] Index numbers() const { return blocks() * 9; }
+  /// Whether the terms' tangents of a kind are all along the normal.
+  [[nodiscard]] bool is_normal(Tangent kind) const;
   /// Second derivatives of all terms' densities at samples first … first+size−1, number q of the
   /// k-th of them at h[q·stride + k], all numbers() · stride of which are the caller's; `factors`:
-  /// what each term of the scene is multiplied by, 1 where empty.
+  /// what each term of the scene is multiplied by, 1 where empty. `along_normal`: as SampleNumbers
+  /// has them then.
   void evaluate(const Geometries& geometries, Tangent kind, const std::vector<double>& factors,
-                Index first, Index size, double* h, Index stride) const;
+                Index first, Index size, bool along_normal, double* h, Index stride) const;
 
   /// Whether rows a and a + 1 of the matrix are made alike, of samples counted on by one.
   [[nodiscard]] bool goes_on(Index a) const;
@@ -36,6 +41,16 @@ class TangentAssembler {
                  std::vector<std::int32_t>& samples) const;
 
  private:
+  /// What a term adds to, at some samples.
+  struct Numbers {
+    double* h;
+    Index stride, size;
+    bool along_normal;
+  };
+  void evaluate_term(const JetAssembler::Term& term, const SampleBlock& block, Tangent kind,
+                     const Numbers& to) const;
+  [[nodiscard]] std::vector<TangentPlan::Left> left_of(const GatherTable::Coefficients& l,
+                                                       int n) const;
   struct Block {
     int m, n;  // derivatives
   };

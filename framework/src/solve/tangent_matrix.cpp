@@ -10,60 +10,70 @@
 
 namespace deform {
 
-BlockRows TangentMatrix::gather(const TangentSchedule::Group& group, const double* h,
-                                double* rows) const {
-  const Index width = group.size == 1 ? 1 : kRowLanes;
-  const std::int32_t* const begin = pattern_->row_begin.data() + group.row;
-  std::fill_n(rows, 9 * Index{begin[1] - begin[0]} * width, 0.0);
+namespace {
+
+/// Kept by each thread from call to call: no allocation once they are large enough.
+struct Buffers {
+  std::vector<double> h, room, rows;
+  void fit(const TangentSchedule& schedule) {
+    h.resize(std::max(h.size(), schedule.buffer()));
+    room.resize(std::max(room.size(), schedule.room()));
+    rows.resize(std::max(rows.size(), schedule.row_buffer()));
+  }
+};
+thread_local Buffers buffers;
+
+}  // namespace
+
+BlockRows TangentMatrix::gather(const TangentSchedule::Group& group) const {
   const std::uint32_t* places = schedule_->places(group.place);
+  double* const rows = buffers.rows.data();
   for (std::size_t set = 0; set < sets_.size(); ++set) {
     const TangentPlan& plan = schedule_->plan(group.plan + set);
-    (width == 1 ? add_to_row : add_to_rows)(plan, h, places, rows);
-    places += plan.samples.size();
+    const SampleNumbers numbers{buffers.h.data(), places, along_normal_[set], sets_[set].blocks()};
+    (group.size == 1 ? make_row : deform::make_rows)(plan, numbers, set > 0, buffers.room.data(),
+                                                     rows);
+    places += plan.samples;
   }
-  return {group.row, group.size, rows, width};
+  return {group.row, group.size, rows, group.size == 1 ? 1 : kRowLanes};
 }
 
-bool TangentMatrix::make_segment(const TangentSchedule::Segment& segment,
-                                 std::span<const Geometries> geometries, Tangent kind,
-                                 const std::vector<double>& factors, const TakeRows& take) const {
+bool TangentMatrix::make_segment(const TangentSchedule::Segment& segment, const Wanted& wanted,
+                                 const TakeRows& take) const {
   const TangentSchedule& schedule = *schedule_;
-  // Kept by each thread from call to call: no allocation once they are large enough.
-  thread_local std::vector<double> h, rows;
-  h.resize(std::max(h.size(), schedule.buffer()));
-  rows.resize(std::max(rows.size(), schedule.row_buffer()));
+  buffers.fit(schedule);
   bool is_finite = true;
   for (std::size_t p = segment.piece; p < segment.piece_end; ++p) {
     const TangentSchedule::Piece& at = schedule.pieces()[p];
     for (std::size_t s = at.span; s < at.span_end; ++s) {
       const TangentSchedule::Span& span = schedule.spans()[s];
-      sets_[span.set].evaluate(geometries[span.set], kind, factors, span.first, span.size,
-                               h.data() + span.place, kSampleLanes);
+      sets_[span.set].evaluate(wanted.geometries[span.set], wanted.kind, wanted.factors, span.first,
+                               span.size, along_normal_[span.set], buffers.h.data() + span.place,
+                               kSampleLanes);
     }
     for (std::size_t g = at.group; g < at.group_end; ++g)
-      is_finite &= take(gather(schedule.groups()[g], h.data(), rows.data()));
+      is_finite &= take(gather(schedule.groups()[g]));
   }
   return is_finite;
 }
 
-bool TangentMatrix::make_rows(std::span<const Geometries> geometries, Tangent kind,
-                              const std::vector<double>& factors, const TakeRows& take) const {
+bool TangentMatrix::make_rows(const Wanted& wanted, const TakeRows& take) {
+  along_normal_.clear();
+  for (const TangentAssembler& set : sets_) along_normal_.push_back(set.is_normal(wanted.kind));
   const std::vector<TangentSchedule::Segment>& segments = schedule_->segments();
   std::atomic<bool> is_finite = true;
   parallel_blocks(static_cast<Index>(segments.size()), 1, [&](Index i, Index /*one*/) {
     // A plugin that waits for tasks of its own must not take another segment meanwhile: both would
     // use the thread's buffers.
     tbb::this_task_arena::isolate([&] {
-      if (!make_segment(segments[static_cast<std::size_t>(i)], geometries, kind, factors, take))
-        is_finite = false;
+      if (!make_segment(segments[static_cast<std::size_t>(i)], wanted, take)) is_finite = false;
     });
   });
   return is_finite;
 }
 
-bool TangentMatrix::assemble(std::span<const Geometries> geometries, Tangent kind,
-                             const std::vector<double>& factors, BlockMatrix& k, bool adds) const {
-  return make_rows(geometries, kind, factors, [&](const BlockRows& rows) {
+bool TangentMatrix::assemble(const Wanted& wanted, BlockMatrix& k, bool adds) {
+  return make_rows(wanted, [&](const BlockRows& rows) {
     const std::int32_t* const begin = k.row_begin.data() + rows.row;
     const Index numbers = 9 * Index{begin[1] - begin[0]};
     std::array<double*, kRowLanes> to{};

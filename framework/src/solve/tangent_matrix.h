@@ -23,29 +23,32 @@ class TangentMatrix {
     schedule_.emplace(sets_, pattern);
   }
 
+  /// What of: geometries, one a set; factors, what each term of the scene is multiplied by, 1 where
+  /// empty.
+  struct Wanted {
+    std::span<const Geometries> geometries;
+    Tangent kind;
+    const std::vector<double>& factors;
+  };
   /// Takes some rows; returns whether all of their numbers are finite. Called from several threads
   /// at once, for different rows.
   using TakeRows = std::function<bool(const BlockRows&)>;
-  /// Makes each row of K = Σ D_mᵀ A h_mn D_n, the sum being over sets. `geometries`: one a set;
-  /// `factors`: what each term of the scene is multiplied by, 1 where empty. Returns whether all
-  /// rows are finite.
-  bool make_rows(std::span<const Geometries> geometries, Tangent kind,
-                 const std::vector<double>& factors, const TakeRows& take) const;
+  /// Makes each row of K = Σ D_mᵀ A h_mn D_n, the sum being over sets. Returns whether all are
+  /// finite.
+  bool make_rows(const Wanted& wanted, const TakeRows& take);
   /// The same to a matrix of the pattern, blocks that none adds to becoming 0; or K += Σ with
   /// `adds`.
-  bool assemble(std::span<const Geometries> geometries, Tangent kind,
-                const std::vector<double>& factors, BlockMatrix& k, bool adds = false) const;
+  bool assemble(const Wanted& wanted, BlockMatrix& k, bool adds = false);
 
  private:
-  [[nodiscard]] bool make_segment(const TangentSchedule::Segment& segment,
-                                  std::span<const Geometries> geometries, Tangent kind,
-                                  const std::vector<double>& factors, const TakeRows& take) const;
-  [[nodiscard]] BlockRows gather(const TangentSchedule::Group& group, const double* h,
-                                 double* rows) const;
+  [[nodiscard]] bool make_segment(const TangentSchedule::Segment& segment, const Wanted& wanted,
+                                  const TakeRows& take) const;
+  [[nodiscard]] BlockRows gather(const TangentSchedule::Group& group) const;
 
   std::vector<TangentAssembler> sets_;
   const BlockMatrix* pattern_ = nullptr;
   std::optional<TangentSchedule> schedule_;
+  std::vector<bool> along_normal_;  // of each set, what is made now
 };
 
 }  // namespace deform

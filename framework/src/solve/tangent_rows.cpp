@@ -1,82 +1,155 @@
 #include "solve/tangent_rows.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include "deform/geometry/pairs.h"
 #include "deform/kernel.h"
+
+// Vectors pass between functions that are all inlined.
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace deform {
 namespace {
 
 /// Numbers of eight rows. A vector by name: compilers would keep the sums below as single numbers.
 using Numbers [[gnu::vector_size(64)]] = double;
-constexpr int kNumbers = sizeof(Numbers) / sizeof(double);
-constexpr int kVectors = kRowLanes / kNumbers;
 
-[[gnu::always_inline]] inline void load(const double* from, Numbers& to) {
-  std::memcpy(&to, from, sizeof to);
+/// What is done for numbers of a row: those of eight rows side by side, or of a row alone, are a
+/// vector. At h, numbers lie kSampleLanes apart.
+template <class Number>
+[[gnu::always_inline]] inline Number load(const double* from) {
+  Number x;
+  std::memcpy(&x, from, sizeof x);
+  return x;
 }
-[[gnu::always_inline]] inline void store(const Numbers& from, double* to) {
-  std::memcpy(to, &from, sizeof from);
+template <class Number>
+[[gnu::always_inline]] inline void store(const Number& x, double* to) {
+  std::memcpy(to, &x, sizeof x);
+}
+template <class Number>
+inline constexpr Index kLanes = sizeof(Number) / sizeof(double);
+
+/// Entry k, row by row, of a block or of its transpose.
+[[gnu::always_inline]] inline int entry(int k, bool is_transposed) {
+  return is_transposed ? 3 * (k % 3) + k / 3 : k;
 }
 
-/// Adds what one sample gives to entry (i, j) of the blocks of kRowLanes rows.
-[[gnu::always_inline]] inline void add_sample(const TangentPlan& plan,
-                                              const TangentPlan::Sample& at, const double* h, int i,
-                                              int j, double* rows) {
-  Numbers left[kDerivatives][kVectors];
-  // By value: for all that a compiler knows, what is written below may be the plan's.
-  const TangentPlan::Left *const lefts = plan.left.data(), *const lefts_end = lefts + at.left_end;
-  const TangentPlan::Right *const rights = plan.right.data(), *const rights_end =
-                                                                  rights + at.right_end;
-  // Row a of Σ_m D_mᵀ A h_mn for each derivative n …
-  for (const TangentPlan::Left* q = lefts + at.left; q != lefts_end; ++q) {
-    const TangentPlan::Left part = *q;
-    const int entry = part.is_transposed ? 3 * j + i : 3 * i + j;
-    const double* block = h + (9 * part.block + entry) * kSampleLanes;
-    for (int v = 0; v < kVectors; ++v) {
-      Numbers numbers;
-      load(block + v * kNumbers, numbers);
-      numbers *= part.l;
-      Numbers& sum = left[part.n][v];
-      sum = part.is_first ? numbers : sum + numbers;
+/// Parts of blocks, nine numbers each.
+template <class Number>
+[[gnu::always_inline]] inline void make_parts(const TangentPlan& plan, const double* h,
+                                              const std::uint32_t* places, double* parts) {
+  const TangentPlan::Left* left = plan.left.data();
+  for (const TangentPlan::Part *p = plan.parts.data(), *end = p + plan.parts.size(); p != end;
+       ++p) {
+    const double* const at = h + places[p->sample];
+    Number sum[9]{};
+    for (const TangentPlan::Left* const last = plan.left.data() + p->left_end; left != last;
+         ++left) {
+      const double* const block = at + Index{9} * left->block * kSampleLanes;
+      if (left->is_transposed)
+        for (int k = 0; k < 9; ++k)
+          sum[k] += left->l * load<Number>(block + entry(k, true) * kSampleLanes);
+      else
+        for (int k = 0; k < 9; ++k) sum[k] += left->l * load<Number>(block + k * kSampleLanes);
     }
-  }
-  // … times the rows of D_n at the sample.
-  for (const TangentPlan::Right* q = rights + at.right; q != rights_end;) {
-    const std::int16_t slot = q->slot;
-    double* to = rows + (9 * slot + 3 * i + j) * kRowLanes;
-    Numbers sum[kVectors];
-    for (int v = 0; v < kVectors; ++v) load(to + v * kNumbers, sum[v]);
-    for (; q != rights_end && q->slot == slot; ++q) {
-      const double d = q->d;
-      const Numbers* of_n = left[q->n];
-      for (int v = 0; v < kVectors; ++v) sum[v] += d * of_n[v];
-    }
-    for (int v = 0; v < kVectors; ++v) store(sum[v], to + v * kNumbers);
+    for (int k = 0; k < 9; ++k, parts += kLanes<Number>) store(sum[k], parts);
   }
 }
 
-DEFORM_KERNEL void add_samples(const TangentPlan& plan, const double* h,
-                               const std::uint32_t* places, double* rows) {
-  for (std::size_t e = 0; e < plan.samples.size(); ++e)
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) add_sample(plan, plan.samples[e], h + places[e], i, j, rows);
+/// Blocks of the row from these, number q of the row at rows[q · stride].
+template <class Number>
+[[gnu::always_inline]] inline void make_blocks(const TangentPlan& plan, const double* parts,
+                                               bool adds, double* rows, Index stride) {
+  const TangentPlan::Right* right = plan.right.data();
+  for (const std::uint32_t end : plan.right_end) {
+    Number sum[9]{};
+    if (adds)
+      for (int k = 0; k < 9; ++k) sum[k] = load<Number>(rows + k * stride);
+    for (const TangentPlan::Right* const last = plan.right.data() + end; right != last; ++right) {
+      const double* const part = parts + Index{9} * right->part * kLanes<Number>;
+      for (int k = 0; k < 9; ++k) sum[k] += right->d * load<Number>(part + k * kLanes<Number>);
+    }
+    for (int k = 0; k < 9; ++k, rows += stride) store(sum[k], rows);
+  }
+}
+
+/// Parts of multiples of n nᵀ, one number each; behind them the six of n nᵀ of each sample.
+template <class Number>
+[[gnu::always_inline]] inline void make_normal_parts(const TangentPlan& plan,
+                                                     const SampleNumbers& of, Index lane,
+                                                     double* parts) {
+  const TangentPlan::Left* left = plan.left.data();
+  for (const TangentPlan::Part *p = plan.parts.data(), *end = p + plan.parts.size(); p != end;
+       ++p) {
+    const double* const at = of.h + of.places[p->sample] + lane;
+    Number sum{};
+    for (const TangentPlan::Left* const last = plan.left.data() + p->left_end; left != last; ++left)
+      sum += left->l * load<Number>(at + left->block * kSampleLanes);
+    store(sum, parts);
+    parts += kLanes<Number>;
+  }
+  for (std::size_t e = 0; e < plan.samples; ++e) {
+    const double* const n = of.h + of.places[e] + lane + of.blocks * kSampleLanes;
+    const Number x = load<Number>(n), y = load<Number>(n + kSampleLanes),
+                 z = load<Number>(n + 2 * kSampleLanes);
+    for (const Number& product : {x * x, x * y, x * z, y * y, y * z, z * z}) {
+      store(product, parts);
+      parts += kLanes<Number>;
+    }
+  }
+}
+
+template <class Number>
+[[gnu::always_inline]] inline void make_normal_blocks(const TangentPlan& plan, const double* parts,
+                                                      bool adds, double* rows, Index stride) {
+  static constexpr int kOfEntry[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
+  const double* const normals = parts + static_cast<Index>(plan.parts.size()) * kLanes<Number>;
+  const TangentPlan::Right* right = plan.right.data();
+  for (const std::uint32_t end : plan.right_end) {
+    Number sum[6]{};
+    for (const TangentPlan::Right* const last = plan.right.data() + end; right != last;) {
+      const std::uint16_t sample = plan.parts[right->part].sample;
+      Number factor{};
+      for (; right != last && plan.parts[right->part].sample == sample; ++right)
+        factor += right->d * load<Number>(parts + right->part * kLanes<Number>);
+      const double* const n = normals + Index{6} * sample * kLanes<Number>;
+      for (int k = 0; k < 6; ++k) sum[k] += factor * load<Number>(n + k * kLanes<Number>);
+    }
+    for (int k = 0; k < 9; ++k, rows += stride)
+      store(adds ? load<Number>(rows) + sum[kOfEntry[k]] : sum[kOfEntry[k]], rows);
+  }
+}
+
+/// Rows from a lane on.
+template <class Number>
+[[gnu::always_inline]] inline void make(const TangentPlan& plan, const SampleNumbers& of, bool adds,
+                                        Index lane, double* room, double* rows, Index stride) {
+  if (of.are_normal) {
+    make_normal_parts<Number>(plan, of, lane, room);
+    make_normal_blocks<Number>(plan, room, adds, rows + lane, stride);
+  } else {
+    make_parts<Number>(plan, of.h + lane, of.places, room);
+    make_blocks<Number>(plan, room, adds, rows + lane, stride);
+  }
+}
+
+DEFORM_KERNEL void make_rows_side_by_side(const TangentPlan& plan, const SampleNumbers& of,
+                                          bool adds, double* room, double* rows) {
+  for (Index lane = 0; lane < kRowLanes; lane += kLanes<Numbers>)
+    make<Numbers>(plan, of, adds, lane, room, rows, kRowLanes);
 }
 
 /// Numbers of four rows, or four numbers of a row.
 using Four [[gnu::vector_size(32)]] = double;
 
-[[gnu::always_inline]] inline void load(const double* from, Four& to) {
-  std::memcpy(&to, from, sizeof to);
-}
 /// Writes x, or adds it; 0 times what is there then, added up, is not 0 where some is not finite.
 [[gnu::always_inline]] inline void put(const Four& x, double* to, bool adds, Four& zeros) {
   Four there{};
-  if (adds) load(to, there);
+  if (adds) there = load<Four>(to);
   there += x;
   zeros += 0.0 * there;
-  std::memcpy(to, &there, sizeof there);
+  store(there, to);
 }
 
 DEFORM_KERNEL bool move_rows(const double* rows, Index size, Index numbers, double* const* to,
@@ -93,11 +166,8 @@ DEFORM_KERNEL bool move_rows(const double* rows, Index size, Index numbers, doub
   for (; q + 4 <= size; q += 4) {
     for (Index i = 0; i < whole; i += 4) {
       const double* from = rows + i * kRowLanes + q;
-      Four a, b, c, d;
-      load(from, a);
-      load(from + kRowLanes, b);
-      load(from + 2 * kRowLanes, c);
-      load(from + 3 * kRowLanes, d);
+      const Four a = load<Four>(from), b = load<Four>(from + kRowLanes),
+                 c = load<Four>(from + 2 * kRowLanes), d = load<Four>(from + 3 * kRowLanes);
       const Four ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6),
                  ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7),
                  cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6),
@@ -113,31 +183,6 @@ DEFORM_KERNEL bool move_rows(const double* rows, Index size, Index numbers, doub
   for (; q < size; ++q)
     for (Index i = 0; i < numbers; ++i) put_one(i, q);
   return zeros[0] + zeros[1] + zeros[2] + zeros[3] + zero == 0;
-}
-
-/// The same for one row: what is side by side are the entries of a block.
-DEFORM_KERNEL void add_samples_of_one_row(const TangentPlan& plan, const double* h,
-                                          const std::uint32_t* places, double* row) {
-  for (std::size_t e = 0; e < plan.samples.size(); ++e) {
-    const TangentPlan::Sample at = plan.samples[e];
-    double left[kDerivatives][9];
-    for (std::uint32_t q = at.left; q != at.left_end; ++q) {
-      const TangentPlan::Left part = plan.left[q];
-      const double* block = h + places[e] + 9 * part.block * kSampleLanes;
-      double* sum = left[part.n];
-      for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-          const int entry = part.is_transposed ? 3 * j + i : 3 * i + j;
-          const double number = part.l * block[entry * kSampleLanes];
-          sum[3 * i + j] = part.is_first ? number : sum[3 * i + j] + number;
-        }
-    }
-    for (std::uint32_t q = at.right; q != at.right_end; ++q) {
-      const TangentPlan::Right part = plan.right[q];
-      double* to = row + 9 * part.slot;
-      for (int k = 0; k < 9; ++k) to[k] += part.d * left[part.n][k];
-    }
-  }
 }
 
 DEFORM_KERNEL bool move_row(const double* __restrict row, Index numbers, double* __restrict to,
@@ -165,16 +210,21 @@ DEFORM_KERNEL bool are_finite(const double* rows, Index size, Index numbers, Ind
 bool rows_are_finite(const double* rows, Index size, Index numbers, Index lanes) {
   return are_finite(rows, size, numbers, lanes);
 }
-void add_to_rows(const TangentPlan& plan, const double* h, const std::uint32_t* places,
-                 double* rows) {
-  add_samples(plan, h, places, rows);
+std::size_t room_for(const TangentPlan& plan) {
+  const std::size_t of_blocks = 9 * plan.parts.size(),
+                    of_normals = plan.parts.size() + 6 * plan.samples;
+  return std::max(of_blocks, of_normals) * static_cast<std::size_t>(kLanes<Numbers>);
+}
+void make_rows(const TangentPlan& plan, const SampleNumbers& of, bool adds, double* room,
+               double* rows) {
+  make_rows_side_by_side(plan, of, adds, room, rows);
+}
+void make_row(const TangentPlan& plan, const SampleNumbers& of, bool adds, double* room,
+              double* row) {
+  make<double>(plan, of, adds, 0, room, row, 1);
 }
 bool store_rows(const double* rows, Index size, Index numbers, double* const* to, bool adds) {
   return move_rows(rows, size, numbers, to, adds);
-}
-void add_to_row(const TangentPlan& plan, const double* h, const std::uint32_t* places,
-                double* row) {
-  add_samples_of_one_row(plan, h, places, row);
 }
 bool store_row(const double* row, Index numbers, double* to, bool adds) {
   return move_row(row, numbers, to, adds);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <span>
 
 namespace deform {
 namespace {
@@ -20,14 +19,9 @@ struct Rows {
   std::size_t group, group_end;
 };
 
-std::span<const std::int32_t> columns(const BlockMatrix& k, Index a) {
-  const auto i = static_cast<std::size_t>(a);
-  return {k.column.data() + k.row_begin[i], k.column.data() + k.row_begin[i + 1]};
-}
-
 /// Whether row a + 1 has the columns of row a, counted on by one.
 bool columns_go_on(const BlockMatrix& k, Index a) {
-  return std::ranges::equal(columns(k, a), columns(k, a + 1), {},
+  return std::ranges::equal(k.columns(a), k.columns(a + 1), {},
                             [](std::int32_t b) { return b + 1; });
 }
 
@@ -75,9 +69,9 @@ class TangentSchedule::Builder {
   void cut_rows() {
     for (Index a = 0; a < pattern_.nodes;) {
       const Index end = group_end(a);
-      to_.row_buffer_ = std::max(to_.row_buffer_, 9 * columns(pattern_, a).size() * kRowLanes);
+      to_.row_buffer_ = std::max(to_.row_buffer_, 9 * pattern_.columns(a).size() * kRowLanes);
       to_.groups_.push_back({a, end - a, 0, 0});
-      const bool touches = a > 0 && std::ranges::binary_search(columns(pattern_, a - 1),
+      const bool touches = a > 0 && std::ranges::binary_search(pattern_.columns(a - 1),
                                                                static_cast<std::int32_t>(a));
       if (rows_.empty() || !touches || rows_.back().size + end - a > kMostRows)
         rows_.push_back({a, 0, to_.groups_.size() - 1, 0});
@@ -93,7 +87,7 @@ class TangentSchedule::Builder {
   [[nodiscard]] std::size_t nearest(std::size_t p, const std::vector<bool>& is_taken) {
     std::vector<std::size_t> found;
     for (Index a = rows_[p].first; a < rows_[p].first + rows_[p].size; ++a)
-      for (const std::int32_t b : columns(pattern_, a)) {
+      for (const std::int32_t b : pattern_.columns(a)) {
         const std::size_t q = piece_of_[static_cast<std::size_t>(b)];
         if (!is_taken[q] && tally_[q]++ == 0) found.push_back(q);
       }
@@ -160,7 +154,10 @@ class TangentSchedule::Builder {
   std::uint32_t number_of_plan() {
     const auto [place, is_new] =
         plans_.try_emplace(plan_, static_cast<std::uint32_t>(to_.plans_.size()));
-    if (is_new) to_.plans_.push_back(plan_);
+    if (is_new) {
+      to_.plans_.push_back(plan_);
+      to_.room_ = std::max(to_.room_, room_for(plan_));
+    }
     return place->second;
   }
 

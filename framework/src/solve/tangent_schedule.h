@@ -46,6 +46,8 @@ class TangentSchedule {
   [[nodiscard]] const std::uint32_t* places(std::size_t i) const { return places_.data() + i; }
   /// Numbers that a segment's buffer holds, at most; with room to read beyond.
   [[nodiscard]] std::size_t buffer() const { return buffer_; }
+  /// Numbers that making rows needs room for, at most.
+  [[nodiscard]] std::size_t room() const { return room_; }
   /// Numbers of kRowLanes rows, at most.
   [[nodiscard]] std::size_t row_buffer() const { return row_buffer_; }
 
@@ -58,7 +60,7 @@ class TangentSchedule {
   std::vector<TangentPlan> plans_;      // each once
   std::vector<std::uint32_t> plan_of_;  // of each group and set
   std::vector<std::uint32_t> places_;
-  std::size_t buffer_ = 0, row_buffer_ = 0;
+  std::size_t buffer_ = 0, row_buffer_ = 0, room_ = 0;
 };
 
 }  // namespace deform

@@ -47,11 +47,11 @@ void BlockSystem::put_in_strip(const deform::BlockRows& rows, Index skipped, Ind
   const double* from = rows.value + skipped;
   for (int c = 0; c < 3; ++c)
     for (Index k = 0; k < size; ++k) diagonal_(row + k, c) = from[4 * c * rows.lanes + k];
-  for (const std::int32_t b : pattern_.columns(row)) {
-    const Index entry = level.strips.entry(strip, b - static_cast<std::int32_t>(row));
-    float* to = level.value.data() + 9 * (strip.begin + entry * strip.lanes) + row - strip.row;
-    for (int q = 0; q < 9; ++q, from += rows.lanes, to += strip.lanes) narrow(size, from, to);
-  }
+  const std::span<const std::int32_t> columns = pattern_.columns(row);
+  put_blocks({from, rows.lanes, size, columns.data(), static_cast<Index>(columns.size()),
+              static_cast<std::int32_t>(row)},
+             level.strips.distances(strip).data(), strip.lanes,
+             level.value.data() + 9 * strip.begin + row - strip.row);
 }
 
 void BlockSystem::factor(const deform::NodeValues& d, bool renew) {

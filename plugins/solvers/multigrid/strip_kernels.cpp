@@ -200,9 +200,18 @@ DEFORM_KERNEL void add_part(Index size, const double* part, double* out) {
   add_one(size, part, out);
 }
 
-DEFORM_KERNEL void narrow(Index size, const double* from, float* to) {
+DEFORM_KERNEL void put_blocks(const RowsToPut& put, const std::int32_t* distance, Index lanes,
+                              float* to) {
+  const RowsToPut rows = put;
+  const double* from = rows.value;
+  for (Index e = 0, at = 0; e < rows.entries; ++e) {
+    while (distance[at] < rows.column[e] - rows.row) ++at;
+    float* number = to + 9 * at * lanes;
+    for (Index q = 0; q < 9; ++q, from += rows.lanes, number += lanes) {
 #pragma GCC ivdep
-  for (Index i = 0; i < size; ++i) to[i] = static_cast<float>(from[i]);
+      for (Index k = 0; k < rows.size; ++k) number[k] = static_cast<float>(from[k]);
+    }
+  }
 }
 
 }  // namespace multigrid

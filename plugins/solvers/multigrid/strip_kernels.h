@@ -42,7 +42,18 @@ void add_part(Index size, const float* part, float* out);
 void add_part(Index size, const double* part, float* out);
 void add_part(Index size, const double* part, double* out);
 
-/// to[k] = from[k] in single precision.
-void narrow(Index size, const double* from, float* to);
+/// Some rows of a strip, side by side in double precision: number q of entry e of the k-th at
+/// value[(9 e + q) · lanes + k]. `column`: of the first row's entries, `row`
+/// being that row.
+struct RowsToPut {
+  const double* value;
+  Index lanes, size;
+  const std::int32_t* column;
+  Index entries;
+  std::int32_t row;
+};
+/// Puts them, in single precision, where their first row lies in a strip of such distances, number
+/// q of entry e at to[(9 e + q) · lanes].
+void put_blocks(const RowsToPut& rows, const std::int32_t* distance, Index lanes, float* to);
 
 }  // namespace multigrid

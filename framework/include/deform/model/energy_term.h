@@ -156,6 +156,11 @@ class DEFORM_API JetTerm : public EnergyTerm {
   /// Default: central differences of the stress, made positive semidefinite by their spectrum
   /// where that is asked for.
   virtual void tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const;
+  /// Whether tangents of that kind are c_mn n nᵀ for all m and n, n being the normal of block.now,
+  /// as those of B along its gradient are. Then `normal_tangent` is asked for the c_mn, a ninth of
+  /// the numbers, wherever that holds for all terms of a sample set.
+  [[nodiscard]] virtual bool has_normal_tangent(Tangent kind) const;
+  virtual void normal_tangent(const SampleBlock& block, Tangent kind, const NormalTangent& c) const;
 
   /// Number of sample fields that `auxiliary` computes and affine_stress differences (strong form).
   [[nodiscard]] virtual int auxiliary_fields() const { return 0; }

@@ -69,4 +69,27 @@ class JetTangent {
   Index size_;
 };
 
+/// Hessians of a block's density that are c_mn n nᵀ, n being the normal at each sample: their c_mn
+/// for m ≤ n, of the derivatives that the density depends on; a view, terms add to it.
+class NormalTangent {
+ public:
+  NormalTangent(double* data, Index stride, const JetTangent::Places& places, Index size)
+      : data_(data), stride_(stride), places_(&places), size_(size) {}
+
+  [[nodiscard]] Index size() const { return size_; }
+  /// c_mn, m ≤ n, at all samples (size); null where the density was said not to depend on one of
+  /// both.
+  [[nodiscard]] double* entry(Derivative m, Derivative n) const {
+    const int place =
+        (*places_)[static_cast<std::size_t>(slot(m))][static_cast<std::size_t>(slot(n))];
+    return place < 0 ? nullptr : data_ + place * stride_;
+  }
+
+ private:
+  double* data_;
+  Index stride_;
+  const JetTangent::Places* places_;
+  Index size_;
+};
+
 }  // namespace deform

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "deform/types.h"
@@ -35,6 +36,10 @@ struct BlockMatrix {
     return Block(value.data() + 9 * place);
   }
 
+  [[nodiscard]] std::span<const std::int32_t> columns(Index a) const {
+    const auto i = static_cast<std::size_t>(a);
+    return {column.data() + row_begin[i], column.data() + row_begin[i + 1]};
+  }
   /// Row a alone.
   [[nodiscard]] BlockRows row(Index a) const {
     return {a, 1, value.data() + 9 * Index{row_begin[static_cast<std::size_t>(a)]}, 1};
