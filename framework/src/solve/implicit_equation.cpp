@@ -11,8 +11,6 @@ namespace {
 
 /// Where a tangent is indefinite, this part of its mean stiffness is added to it; ten times it, ….
 constexpr double kLeastShift = 1e-3;
-/// Part of a direction's error that an iterative solver may leave.
-constexpr double kForcing = 0.02;
 
 }  // namespace
 
@@ -117,14 +115,15 @@ double ImplicitEquation::update_contacts(const State& state) {
   return residual(state);
 }
 
-std::string ImplicitEquation::find_direction(State& state, Tangent& kind, NodeVectors& direction) {
+std::string ImplicitEquation::find_direction(State& state, double tolerance, Tangent& kind,
+                                             NodeVectors& direction) {
   if (!has_potential_) {
     system_->evaluate_with_jacobian(state, 1 / stage_->tau);
     const std::string reason = system_->factor_jacobian(diagonal_);
     return reason.empty() ? system_->solve_jacobian(left_, direction) : reason;
   }
   const auto solve = [&](const NodeValues& d) {
-    return system_->solve_tangent_to(kForcing, d, left_, direction);
+    return system_->solve_tangent_to(tolerance, d, left_, direction);
   };
   std::string reason = solve(diagonal_);
   if (reason.empty()) return "";
@@ -141,8 +140,8 @@ std::string ImplicitEquation::find_direction(State& state, Tangent& kind, NodeVe
   return reason;
 }
 
-std::string ImplicitEquation::find_direction_again(NodeVectors& direction) {
-  return system_->solve_tangent_again(kForcing, left_, direction);
+std::string ImplicitEquation::find_direction_again(double tolerance, NodeVectors& direction) {
+  return system_->solve_tangent_again(tolerance, left_, direction);
 }
 
 bool ImplicitEquation::find_full_direction(State& state, NodeVectors& direction) {

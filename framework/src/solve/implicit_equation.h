@@ -44,11 +44,13 @@ class ImplicitEquation {
   [[nodiscard]] double update_contacts(const State& state);
 
   /// Newton's direction from the state of the last evaluation, by its tangent; where that is not
-  /// positive definite by the projected one, or that and more. Φ falls along it. `kind` becomes
-  /// what it is of. Returns "" or why there is none.
-  [[nodiscard]] std::string find_direction(State& state, Tangent& kind, NodeVectors& direction);
+  /// positive definite by the projected one, or that and more. Φ falls along it. `tolerance`: part
+  /// of its error that an iterative solver may leave. `kind` becomes what it is of. Returns "" or why
+  /// there is none.
+  [[nodiscard]] std::string find_direction(State& state, double tolerance, Tangent& kind,
+                                           NodeVectors& direction);
   /// From the last residual, by the tangent of the last direction.
-  [[nodiscard]] std::string find_direction_again(NodeVectors& direction);
+  [[nodiscard]] std::string find_direction_again(double tolerance, NodeVectors& direction);
   /// As `find_direction`, by the Jacobian of all forces, of which the tangent knows but a symmetric
   /// part; false where that is no descent.
   [[nodiscard]] bool find_full_direction(State& state, NodeVectors& direction);

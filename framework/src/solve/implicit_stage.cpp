@@ -48,8 +48,12 @@ constexpr int kMostContractions = 8;
 /// Corrections so much smaller than the first need not shrink one by one.
 constexpr double kSmall = 0.25;
 /// A tangent serves twice where in the last stage the second correction was this part of the
-/// first, at most, and if that is so again, or almost.
-constexpr double kGoodContraction = 0.15, kAlmostGood = 0.2;
+/// first, at most, and if that is so again, or almost. With more, now and then a correction makes
+/// matters worse, and the way from the guess to `tolerance` costs as much as several steps.
+constexpr double kGoodContraction = 0.1, kAlmostGood = 0.15;
+/// Part of a direction's error that an iterative solver may leave; and of what a contraction's
+/// corrections after its first are of, which is a part of that.
+constexpr double kForcing = 0.02, kForcingOfLater = 0.1;
 /// Part of the forces at work that may be left before a last correction: what it leaves of forces
 /// makes no large displacements, but the next step's guess worse, and so on.
 constexpr double kCalm = 0.1;
@@ -104,7 +108,7 @@ struct ImplicitStage::Impl {
 
   void choose_guess(System& system, const Stage& stage, State& state);
   [[nodiscard]] bool contract(System& system, State& state);
-  [[nodiscard]] bool find_correction(State& state, bool keeps_tangent);
+  [[nodiscard]] bool find_correction(State& state, int i, bool keeps_tangent);
   [[nodiscard]] bool is_enough(double theta, double correction, double norm) const;
   [[nodiscard]] std::string iterate(System& system, State& state);
   [[nodiscard]] double evaluate(System& system, State& state);
@@ -146,10 +150,11 @@ struct ImplicitStage::Impl {
   double longest = 0;  // of its nodes' ways [m]
 };
 
-/// A correction, by the tangent of the last one or by a new one; false where there is none.
-bool ImplicitStage::Impl::find_correction(State& state, bool keeps_tangent) {
-  return (keeps_tangent ? equation.find_direction_again(direction)
-                        : equation.find_direction(state, kind, direction))
+/// Correction number i, by the tangent of the last one or by a new one; false where there is none.
+bool ImplicitStage::Impl::find_correction(State& state, int i, bool keeps_tangent) {
+  const double tolerance = i == 0 ? kForcing : kForcingOfLater;
+  return (keeps_tangent ? equation.find_direction_again(tolerance, direction)
+                        : equation.find_direction(state, tolerance, kind, direction))
       .empty();
 }
 
@@ -182,7 +187,7 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
         return true;
       }
       ++system.step_report().iterations;
-      if (!find_correction(state, keeps_tangent)) break;
+      if (!find_correction(state, i, keeps_tangent)) break;
       const double correction = system.root_mean_square(direction);
       if (i == 0) first = correction;
       if (i > 0) theta = correction / last;
@@ -374,7 +379,7 @@ std::string ImplicitStage::Impl::find_direction(State& state, std::int64_t itera
   const bool is_slow = equation.has_potential() && !equation.is_gradient() &&
                        kind != Tangent::projected && iteration >= kSlow && relative <= kClose;
   if (is_slow && equation.find_full_direction(state, direction)) return "";
-  return equation.find_direction(state, kind, direction);
+  return equation.find_direction(state, kForcing, kind, direction);
 }
 
 std::string ImplicitStage::Impl::iterate(System& system, State& state) {
