@@ -42,15 +42,16 @@ constexpr double kRoundingOfForces = 1e-6;
 constexpr std::int64_t kSlow = 10;
 constexpr double kClose = 0.2;
 /// Newton's method without a look at Φ goes on while a correction is this part of the one before,
-/// at most, and this often.
+/// at most, or what is left over of the forces, and this often.
 constexpr double kContraction = 0.5;
 constexpr int kMostContractions = 8;
 /// Corrections so much smaller than the first need not shrink one by one.
 constexpr double kSmall = 0.25;
 /// A tangent serves twice where in the last stage the second correction was this part of the
-/// first, at most, and if that is so again, or almost. With more, now and then a correction makes
-/// matters worse, and the way from the guess to `tolerance` costs as much as several steps.
-constexpr double kGoodContraction = 0.1, kAlmostGood = 0.15;
+/// first, at most, and if that is so again, or almost; and where no larger part of the forces at
+/// work is left over at the guess. A kept tangent takes less of these away: more than that, and
+/// they grow from step to step until a contraction fails.
+constexpr double kGoodContraction = 0.15, kAlmostGood = 0.2, kCalmGuess = 0.3;
 /// Part of a direction's error that an iterative solver may leave; and of what a contraction's
 /// corrections after its first are of, which is a part of that.
 constexpr double kForcing = 0.02, kForcingOfLater = 0.1;
@@ -171,7 +172,7 @@ bool ImplicitStage::Impl::is_enough(double theta, double correction, double norm
 /// where earlier ones shrank well; one that does not is none.
 bool ImplicitStage::Impl::contract(System& system, State& state) {
   guess = state.r;
-  double first = 0, last = 0, theta = first_contraction.theta();
+  double first = 0, last = 0, last_norm = kInfinity, theta = first_contraction.theta();
   equation.begin_way(state);
   system.step_report().residuals.clear();
   leaps = false;
@@ -179,7 +180,8 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
   try {
     for (int i = 0; i < kMostContractions; ++i, next = Tangent::exact) {
       const Span span("Newton iteration");
-      const bool keeps_tangent = i == 1 && theta <= kGoodContraction;
+      const bool keeps_tangent =
+          i == 1 && theta <= kGoodContraction && last_norm <= kCalmGuess * equation.scale();
       const double norm =
           keeps_tangent ? evaluate_residual(system, state) : evaluate(system, state);
       if (norm <= settings.tolerance * equation.scale()) {
@@ -193,7 +195,8 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
       if (i > 0) theta = correction / last;
       if (i == 1) first_contraction.measure(theta);
       if (keeps_tangent && !(theta <= kAlmostGood)) continue;
-      const bool shrinks = theta <= kContraction || correction <= kSmall * first;
+      const bool shrinks =
+          theta <= kContraction || correction <= kSmall * first || norm <= kContraction * last_norm;
       if (i > 0 && !shrinks) break;
       state.r += direction;
       if (is_enough(theta, correction, norm)) {
@@ -201,6 +204,7 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
         return true;
       }
       last = correction;
+      last_norm = norm;
     }
   } catch (const NotFinite&) {
     // What went too far comes again from the guess.
