@@ -107,7 +107,7 @@ class PluginCheck(unittest.TestCase):
         self.find_out("energy", "finite", "gives finite numbers")
         self.find_out("energy", "sharing", "same bits when asked again", "same bits on several")
         self.find_out("energy", "dependence", "exact tangent = −derivative of the force")
-        self.find_out("energy", "reading", "reads only what dependence() names",
+        self.find_out("energy", "reading", "reads only what it says",
                       "gives finite numbers")
 
     def test_normals(self):

@@ -68,7 +68,7 @@ class Profile(Checkpoints):
         self.run_profiled(self.write(implicit_scene()))
         paths = set(self.assert_nested(self.events()))
         newton = ("run", "step", "backward_euler", "stage", "Newton iteration")
-        for path in [newton + ("tangent",), newton + ("stress and force",), newton + ("solve",),
+        for path in [newton + ("tangent",), newton + ("geometry, stress and force",), newton + ("solve",),
                      newton + ("preparing the solver", "matrix filling"), ("run", "outputs", "vtk"),
                      ("run", "probes", "energy"), ("run", "trajectory"), ("run", "checkpoint")]:
             self.assertIn(path, paths)

@@ -106,18 +106,35 @@ TEST_P(TangentRowKinds, SideBySideHaveTheBitsOfOneByOne) {
   for (const bool adds : {false, true}) {
     const std::vector<double> before = some_numbers(kNumbers * kRowLanes);
     std::vector<double> rows = before;
-    make_rows(plan, {h.data(), places.data(), GetParam(), kBlocks}, adds, room.data(), rows.data());
+    EXPECT_TRUE(make_rows(plan, {h.data(), places.data(), GetParam(), kBlocks}, adds, kRowLanes,
+                          room.data(), rows.data()));
     for (std::uint32_t k = 0; k < kRowLanes; ++k) {
       std::vector<double> row(kNumbers);
       for (std::size_t i = 0; i < row.size(); ++i) row[i] = before[i * kRowLanes + k];
       const std::vector<std::uint32_t> of_row = {places[0] + k, places[1] + k};
-      make_row(plan, {h.data(), of_row.data(), GetParam(), kBlocks}, adds, room.data(), row.data());
+      EXPECT_TRUE(make_row(plan, {h.data(), of_row.data(), GetParam(), kBlocks}, adds, room.data(),
+                           row.data()));
       for (std::size_t i = 0; i < row.size(); ++i)
         ASSERT_EQ(rows[i * kRowLanes + k], row[i]) << k << ", " << i;
     }
   }
 }
 INSTANTIATE_TEST_SUITE_P(AlongTheNormal, TangentRowKinds, testing::Bool());
+
+/// Found out in rows, not in lanes behind them.
+TEST_P(TangentRowKinds, WithSomethingNotFiniteAreFoundOut) {
+  const TangentPlan plan = some_plan();
+  const std::vector<std::uint32_t> places = {0, 9 * kBlocks * kSampleLanes};
+  std::vector<double> room(room_for(plan)), rows(kNumbers * kRowLanes);
+  constexpr Index kSize = 13;
+  for (const std::size_t lane : {0, 7, 8, 12, 13, 31}) {
+    std::vector<double> h = some_numbers(2 * 9 * kBlocks * kSampleLanes);
+    h[places[1] + lane] = std::numeric_limits<double>::infinity();
+    const bool is_finite = make_rows(plan, {h.data(), places.data(), GetParam(), kBlocks}, false,
+                                     kSize, room.data(), rows.data());
+    EXPECT_EQ(is_finite, lane >= kSize) << lane;
+  }
+}
 
 /// Blocks c n nᵀ, by c and n or by their nine numbers.
 TEST_F(TangentRowKinds, AlongTheNormalAreThoseOfItsBlocks) {
@@ -135,8 +152,10 @@ TEST_F(TangentRowKinds, AlongTheNormalAreThoseOfItsBlocks) {
               number(block) * n[static_cast<Index>(q / 3)] * n[static_cast<Index>(q % 3)];
     }
   std::vector<double> room(room_for(plan)), rows(kNumbers * kRowLanes), expected(rows);
-  make_rows(plan, {c.data(), places.data(), true, kBlocks}, false, room.data(), rows.data());
-  make_rows(plan, {h.data(), places.data(), false, kBlocks}, false, room.data(), expected.data());
+  EXPECT_TRUE(make_rows(plan, {c.data(), places.data(), true, kBlocks}, false, kRowLanes,
+                        room.data(), rows.data()));
+  EXPECT_TRUE(make_rows(plan, {h.data(), places.data(), false, kBlocks}, false, kRowLanes,
+                        room.data(), expected.data()));
   for (std::size_t i = 0; i < rows.size(); ++i) ASSERT_NEAR(rows[i], expected[i], 1e-13) << i;
 }
 
@@ -158,7 +177,8 @@ TEST_F(TangentRowKinds, AreTheSumsThatThePlanSays) {
                                                 Eigen::Matrix3d::Zero(),
                                                 3 * parts[0] - 0.5 * parts[2]};
   std::vector<double> room(room_for(plan)), row(kNumbers, 1);
-  make_row(plan, {h.data(), places.data(), false, kBlocks}, false, room.data(), row.data());
+  EXPECT_TRUE(
+      make_row(plan, {h.data(), places.data(), false, kBlocks}, false, room.data(), row.data()));
   for (std::size_t i = 0; i < row.size(); ++i)
     EXPECT_NEAR(row[i], expected[i / 9](static_cast<Index>(i % 9 / 3), static_cast<Index>(i % 3)),
                 1e-14);

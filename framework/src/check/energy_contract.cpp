@@ -8,7 +8,6 @@
 
 #include "check/bitwise.h"
 #include "check/contracts.h"
-#include "model/term_detail.h"
 
 namespace deform {
 namespace {
@@ -186,13 +185,12 @@ Evaluate tuple_evaluation(const TupleTerm& term, const NodeVectors& r) {
 /// What a term says that it does not depend on is not computed for it.
 void check_reading(const JetTerm& term, const Surface& surface, const NodeVectors& r,
                    Checks& checks) {
-  if (detail_of(term, term.traits()) != Geometry::Detail::first) return;
+  if (term.reads() == Geometry::Detail::second) return;
   const auto is_finite = [&](Geometry::Detail detail) {
     return all_finite(JetBench(term, surface, r, detail).evaluate(kBlock, 0).numbers);
   };
-  checks.holds("reads only what dependence() names",
-               is_finite(Geometry::Detail::first) || !is_finite(Geometry::Detail::second),
-               "it reads second derivatives, too");
+  checks.holds("reads only what it says",
+               is_finite(term.reads()) || !is_finite(Geometry::Detail::second), "it reads more");
 }
 
 void check_normal_tangents(const JetTerm& term, const JetBench& bench, Checks& checks) {
@@ -210,8 +208,7 @@ void check_blocks_of(const EnergyTerm& term, const Surface& surface, Checks& che
     check_evaluation(checks, tuple_evaluation(*tuples, r), true);
   } else if (const auto* jets = dynamic_cast<const JetTerm*>(&term)) {
     check_reading(*jets, surface, r, checks);
-    const auto bench =
-        std::make_shared<JetBench>(*jets, surface, r, detail_of(*jets, jets->traits()));
+    const auto bench = std::make_shared<JetBench>(*jets, surface, r, jets->reads());
     check_evaluation(checks, in_sample_order(bench, surface.samples(jets->role()).size()), true);
     check_normal_tangents(*jets, *bench, checks);
   } else {

@@ -56,11 +56,20 @@ void write_framed_normals(const SampleSet& samples, const NodeVectors& r, double
   }
 }
 
-/// Fields that Detail::first leaves out, [begin, end).
-constexpr std::array<std::array<int, 2>, 3> kSecondFields{
-    {{3 * (kSecond.begin - 1), GeometryBlock::kNormal},
-     {GeometryBlock::kCurvature, GeometryBlock::kReciprocal},
-     {GeometryBlock::kChristoffel, GeometryBlock::kAreaElement}}};
+/// Fields [begin, end) that each detail has beyond the one before it.
+struct Fields {
+  Geometry::Detail detail;
+  int begin, end;
+};
+constexpr std::array<Fields, 8> kFieldsOf{
+    {{Geometry::Detail::metric, 0, 3 * (kSecond.begin - 1)},
+     {Geometry::Detail::metric, GeometryBlock::kMetric, GeometryBlock::kCurvature},
+     {Geometry::Detail::first, GeometryBlock::kNormal, GeometryBlock::kMetric},
+     {Geometry::Detail::first, GeometryBlock::kReciprocal, GeometryBlock::kChristoffel},
+     {Geometry::Detail::first, GeometryBlock::kAreaElement, GeometryBlock::kFields},
+     {Geometry::Detail::second, 3 * (kSecond.begin - 1), GeometryBlock::kNormal},
+     {Geometry::Detail::second, GeometryBlock::kCurvature, GeometryBlock::kReciprocal},
+     {Geometry::Detail::second, GeometryBlock::kChristoffel, GeometryBlock::kAreaElement}}};
 
 }  // namespace
 
@@ -71,23 +80,32 @@ Geometry::Geometry(const SampleSet& samples)
             std::numeric_limits<double>::quiet_NaN()) {}
 
 void Geometry::compute(const SampleSet& samples, const NodeVectors& r, Detail detail) {
+  begin(detail);
+  if (detail == Detail::none) return;
+  parallel_blocks(size_, kBlock,
+                  [&](Index first, Index size) { compute(samples, r, first, size); });
+}
+
+void Geometry::begin(Detail detail) {
   if (detail < detail_) leave_out(detail);
   detail_ = detail;
-  if (detail == Detail::none) return;
-  parallel_blocks(size_, kBlock, [&](Index first, Index size) {
-    const auto write = [&](Derivatives which) {
-      samples.visit_runs(first, size, [&](Index begin, Index count) {
-        write_jets(samples, r, which, data_.data(), stride_, begin, count);
-      });
-    };
-    write(kFirst);
-    write_normals(data_.data(), stride_, first, size);
-    write_framed_normals(samples, r, data_.data(), stride_, first, size);
-    write_metric(data_.data(), stride_, first, size);
-    if (detail == Detail::first) return;
-    write(kSecond);
-    write_curvature(data_.data(), stride_, first, size);
-  });
+}
+
+void Geometry::compute(const SampleSet& samples, const NodeVectors& r, Index first, Index size) {
+  const auto write = [&](Derivatives which) {
+    samples.visit_runs(first, size, [&](Index begin, Index count) {
+      write_jets(samples, r, which, data_.data(), stride_, begin, count);
+    });
+  };
+  if (detail_ == Detail::none) return;
+  write(kFirst);
+  if (detail_ == Detail::metric) return write_metric(data_.data(), stride_, first, size);
+  write_normals(data_.data(), stride_, first, size);
+  write_framed_normals(samples, r, data_.data(), stride_, first, size);
+  write_metric_and_reciprocal(data_.data(), stride_, first, size);
+  if (detail_ == Detail::first) return;
+  write(kSecond);
+  write_curvature(data_.data(), stride_, first, size);
 }
 
 void Geometry::complete(const SampleSet& samples, const NodeVectors& r) {
@@ -96,12 +114,10 @@ void Geometry::complete(const SampleSet& samples, const NodeVectors& r) {
 
 /// What is not computed any more must not look as if it were.
 void Geometry::leave_out(Detail beyond) {
-  const auto fill = [&](int begin, int end) {
-    std::fill_n(data_.begin() + begin * stride_, (end - begin) * stride_,
-                std::numeric_limits<double>::quiet_NaN());
-  };
-  if (beyond == Detail::none) return fill(0, GeometryBlock::kFields);
-  for (const auto& [begin, end] : kSecondFields) fill(begin, end);
+  for (const Fields& fields : kFieldsOf)
+    if (fields.detail > beyond)
+      std::fill_n(data_.begin() + fields.begin * stride_, (fields.end - fields.begin) * stride_,
+                  std::numeric_limits<double>::quiet_NaN());
 }
 
 void Geometry::blend(double s, const Geometry& other) {

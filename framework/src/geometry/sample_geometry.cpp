@@ -65,6 +65,18 @@ DEFORM_KERNEL void metric(Index size, const double* jet, Index stride, double* G
   }
 }
 
+/// G alone, with the bits that it has above.
+DEFORM_KERNEL void metric_alone(Index size, const double* jet, Index stride, double* G) {
+  const Triple r_1(jet, stride), r_2(jet + 3 * stride, stride);
+  double *G_12 = G + stride, *G_22 = G + 2 * stride;
+#pragma GCC ivdep
+  for (Index s = 0; s < size; ++s) {
+    G[s] = product(r_1, r_1, s);
+    G_12[s] = product(r_1, r_2, s);
+    G_22[s] = product(r_2, r_2, s);
+  }
+}
+
 /// B_ij (6), Γ^1_ij and Γ^2_ij (15) of one pair ij.
 DEFORM_KERNEL void curvature(Index size, const double* jet, const double* normal,
                              const double* second, const double* R, Index stride, double* B,
@@ -112,6 +124,11 @@ void write_normals(double* data, Index stride, Index first, Index size) {
 
 void write_metric(double* data, Index stride, Index first, Index size) {
   const Fields at{data + first, stride};
+  metric_alone(size, at(0), stride, at(Field::kMetric));
+}
+
+void write_metric_and_reciprocal(double* data, Index stride, Index first, Index size) {
+  const Fields at{data + first, stride};
   metric(size, at(0), stride, at(Field::kMetric), at(Field::kReciprocal), at(Field::kAreaElement));
 }
 
@@ -130,7 +147,7 @@ void write_sample(double* data, Index stride, Index s, const SampleGeometry& g) 
   };
   for (int m = 0; m < 5; ++m) put(3 * m, g.jet[static_cast<std::size_t>(m)]);
   put(Field::kNormal, g.n);
-  write_metric(data, stride, s, 1);
+  write_metric_and_reciprocal(data, stride, s, 1);
   write_curvature(data, stride, s, 1);
 }
 

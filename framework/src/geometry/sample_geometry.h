@@ -17,10 +17,11 @@ struct SampleGeometry {
 [[nodiscard]] Vec3 unit_normal(const Vec3& r_1, const Vec3& r_2);
 
 /// All of these are for samples first … first+size−1 of storage of GeometryBlock's layout: n from
-/// r_1 and r_2, which are there; what else follows from these; what follows from the whole jet, n
-/// and that; and all fields of one sample.
+/// r_1 and r_2, which are there; G alone; what else follows from these; what follows from the whole
+/// jet, n and that; and all fields of one sample.
 void write_normals(double* data, Index stride, Index first, Index size);
 void write_metric(double* data, Index stride, Index first, Index size);
+void write_metric_and_reciprocal(double* data, Index stride, Index first, Index size);
 void write_curvature(double* data, Index stride, Index first, Index size);
 void write_sample(double* data, Index stride, Index s, const SampleGeometry& g);
 

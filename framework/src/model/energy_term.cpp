@@ -1,5 +1,7 @@
 #include "deform/model/energy_term.h"
 
+#include <algorithm>
+
 #include "deform/error.h"
 
 namespace deform {
@@ -52,6 +54,15 @@ std::vector<Coupling> JetTerm::couplings() const { return {}; }
 
 std::vector<Derivative> JetTerm::dependence() const {
   return {Derivative::d1, Derivative::d2, Derivative::d11, Derivative::d12, Derivative::d22};
+}
+
+Geometry::Detail JetTerm::reads() const {
+  const auto is_first = [](Derivative d) { return slot(d) <= slot(Derivative::d2); };
+  const TermTraits promised = traits();
+  const bool reads_first_alone = promised.potential && !promised.strong_form &&
+                                 normal() == nullptr && auxiliary_fields() == 0 &&
+                                 std::ranges::all_of(dependence(), is_first);
+  return reads_first_alone ? Geometry::Detail::first : Geometry::Detail::second;
 }
 
 void JetTerm::affine_stress(const SampleBlock& /*block*/, const AffineStress& /*sigma*/) const {

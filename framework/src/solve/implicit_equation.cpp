@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deform/parallel.h"
+
 #include "profile/profile.h"
 #include "solve/not_finite.h"
 
@@ -11,6 +13,8 @@ namespace {
 
 /// Where a tangent is indefinite, this part of its mean stiffness is added to it; ten times it, ….
 constexpr double kLeastShift = 1e-3;
+/// Nodes that one task takes.
+constexpr Index kRows = 2048;
 
 }  // namespace
 
@@ -31,7 +35,11 @@ void ImplicitEquation::begin(System& system, const Stage& s) {
 }
 
 void ImplicitEquation::set_velocity(State& state) const {
-  state.v = (state.r - stage_->r_base) / stage_->tau;
+  state.v.resize(state.r.rows(), 3);
+  parallel_blocks(state.r.rows(), kRows, [&](Index first, Index size) {
+    state.v.middleRows(first, size) =
+        (state.r.middleRows(first, size) - stage_->r_base.middleRows(first, size)) / stage_->tau;
+  });
   state.time = stage_->time;
 }
 
@@ -92,11 +100,32 @@ void ImplicitEquation::evaluate(State& state, Tangent kind, const NodeVectors& b
   way_ = {state.r, beside, way_.work + work_to(state, beside)};
 }
 
+/// Of some nodes, what is left over; returns the sums of squares of inertia, damping and forces.
+Eigen::Array3d ImplicitEquation::find_left_over(const State& state, Index first, Index size) {
+  Eigen::Array3d squares = Eigen::Array3d::Zero();
+  const auto mass = mass_.segment(first, size).array(),
+             damping = damping_.segment(first, size).array();
+  for (Index c = 0; c < 3; ++c) {
+    const auto of = [&](const NodeVectors& field) {
+      return field.col(c).segment(first, size).array();
+    };
+    const auto inertia = mass * (of(inertial_) - of(state.r));
+    const auto damped = damping * (of(stage_->r_base) - of(state.r));
+    const auto force = of(system_->force());
+    squares += Eigen::Array3d(inertia.square().sum(), damped.square().sum(), force.square().sum());
+    left_.col(c).segment(first, size).array() = inertia + damped + force;
+  }
+  return squares;
+}
+
 double ImplicitEquation::residual(const State& state) {
-  left_ = -(mass_.asDiagonal() * (state.r - inertial_));
-  damped_ = -(damping_.asDiagonal() * (state.r - stage_->r_base));
-  scale_ = std::max({left_.norm(), damped_.norm(), system_->force().norm()});
-  left_ += damped_ + system_->force();
+  const Index nodes = state.r.rows();
+  left_.resize(nodes, 3);
+  squares_.resize(3, (nodes + kRows - 1) / kRows);
+  parallel_blocks(nodes, kRows, [&](Index first, Index size) {
+    squares_.col(first / kRows) = find_left_over(state, first, size);
+  });
+  scale_ = std::sqrt(squares_.rowwise().sum().maxCoeff());
   if (contacts_begun_) contacts_.add_force(left_);
   system_->reduce_force(left_);
   return left_.norm();

@@ -45,8 +45,8 @@ class ImplicitEquation {
 
   /// Newton's direction from the state of the last evaluation, by its tangent; where that is not
   /// positive definite by the projected one, or that and more. Φ falls along it. `tolerance`: part
-  /// of its error that an iterative solver may leave. `kind` becomes what it is of. Returns "" or why
-  /// there is none.
+  /// of its error that an iterative solver may leave. `kind` becomes what it is of. Returns "" or
+  /// why there is none.
   [[nodiscard]] std::string find_direction(State& state, double tolerance, Tangent& kind,
                                            NodeVectors& direction);
   /// From the last residual, by the tangent of the last direction.
@@ -75,6 +75,7 @@ class ImplicitEquation {
   [[nodiscard]] double incremental_potential(const State& state);
   [[nodiscard]] double work_to(const State& state, const NodeVectors& beside) const;
   void evaluate_tangent(State& state, Tangent kind, const NodeVectors* before);
+  [[nodiscard]] Eigen::Array3d find_left_over(const State& state, Index first, Index size);
 
   System* system_ = nullptr;
   const Stage* stage_ = nullptr;
@@ -86,7 +87,7 @@ class ImplicitEquation {
   NodeValues diagonal_;        // their sum
   NodeVectors inertial_;       // r_base + τ v_base
   NodeVectors left_;           // what is left over [N]
-  NodeVectors damped_;         // −Γ (r − r_base)/τ [N]
+  Eigen::Array3Xd squares_;    // sums of squares of some nodes, [N²]
   Way way_;
 };
 

@@ -7,7 +7,6 @@
 #include "deform/parallel.h"
 
 #include "model/numerical_stress.h"
-#include "model/term_detail.h"
 #include "plugin/guard.h"
 
 namespace deform {
@@ -139,8 +138,8 @@ const JetAssembler::Term* JetAssembler::find(std::size_t number) const {
 Geometry::Detail JetAssembler::detail() const {
   auto most = Geometry::Detail::none;
   for (const Term& t : terms_)
-    most = std::max(most, guarded(t.origin, "saying what it depends on",
-                                  [&] { return detail_of(*t.term, t.traits); }));
+    most =
+        std::max(most, guarded(t.origin, "saying what it reads", [&] { return t.term->reads(); }));
   return most;
 }
 
@@ -153,7 +152,8 @@ SampleBlock JetAssembler::sample_block(const Geometries& g, Index first, Index s
           .auxiliary = {}};
 }
 
-void JetAssembler::evaluate(const Geometries& geometries, Part part, const Term* only) {
+void JetAssembler::evaluate(const Geometries& geometries, Part part, const Term* only,
+                            const Prepare& prepare) {
   if (terms_.empty()) return;
   std::size_t offset = 0;
   for (std::size_t t = 0; t < terms_.size(); ++t) {
@@ -161,8 +161,13 @@ void JetAssembler::evaluate(const Geometries& geometries, Part part, const Term*
     offset += fields_of_[t] * static_cast<std::size_t>(samples_->stride());
   }
   parallel_blocks(samples_->size(), kBlock, [&](Index first, Index size) {
+    if (prepare) prepare(first, size);
     evaluate_block(geometries, part, only, first, size);
   });
+}
+
+bool JetAssembler::evaluates_by_blocks() const {
+  return !terms_.empty() && std::ranges::all_of(fields_of_, [](std::size_t n) { return n == 0; });
 }
 
 void JetAssembler::evaluate_auxiliary(const Geometries& g, std::size_t number, std::size_t offset) {

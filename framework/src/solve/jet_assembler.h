@@ -46,8 +46,13 @@ class JetAssembler {
   /// What to compute in `evaluate`: stress alone; stress and couplings k_mn; or the couplings and
   /// what stress has beside them, c_m.
   enum class Part { stress, stress_and_couplings, couplings_and_constant };
+  /// Before samples first … first+size−1 are read, from the thread that reads them.
+  using Prepare = std::function<void(Index first, Index size)>;
   /// Computes that at all samples, of all terms or of one.
-  void evaluate(const Geometries& geometries, Part part = Part::stress, const Term* only = nullptr);
+  void evaluate(const Geometries& geometries, Part part = Part::stress, const Term* only = nullptr,
+                const Prepare& prepare = nullptr);
+  /// Whether there are terms and none reads samples of other blocks than its own.
+  [[nodiscard]] bool evaluates_by_blocks() const;
   /// f_a −= Σ L σ of the last evaluation.
   void add_force(NodeVectors& f) const;
 

@@ -75,11 +75,16 @@ struct System::Impl {
   [[nodiscard]] Geometries geometries(SetPart& set) {
     return {set.geometry[current], set.geometry[current], set.rest};
   }
+  [[nodiscard]] bool is_of(std::size_t place, const NodeVectors& r) const;
+  [[nodiscard]] bool knows_geometry(const NodeVectors& r);
+  [[nodiscard]] std::size_t place_for_geometry();
+  void set_geometry(std::size_t place, const NodeVectors& r);
+  void set_current_geometry(std::size_t place);
   void update_geometry(const NodeVectors& r);
   [[nodiscard]] std::size_t place_of_start();
   [[nodiscard]] const Geometry& complete_geometry(const SampleSet& samples, std::size_t place);
   void update_normals();
-  void evaluate_internal(const State& state, JetAssembler::Part part);
+  void evaluate_geometry_and_stress(const NodeVectors& r, JetAssembler::Part part);
   /// All forces at a state, to `force`.
   void evaluate(const State& state, JetAssembler::Part part);
   void add_internal_force(NodeVectors& f) const;
@@ -94,7 +99,8 @@ struct System::Impl {
   ExternalForces external;
   std::optional<Contacts> contacts;  // made when the reduction is known
 
-  std::array<NodeVectors, 2> known;  // positions of geometry[0] and [1]
+  std::array<NodeVectors, 2> known;  // positions of geometry[0] and [1] …
+  std::array<bool, 2> is_known{};    // … if they are of any
   std::size_t current = 0;           // which of both is that of the last updated state
   std::optional<std::size_t> held;   // which is that of the step's start, if either is
   NodeVectors start;                 // positions there

@@ -66,14 +66,11 @@ std::span<const Geometries> System::Impl::geometries_of_tangent() {
 /// Rows of terms on jets, as they are made; returns whether they are finite.
 bool System::Impl::give_tangent_to_solver() {
   tangent_is_whole = false, solver_has_tangent = true;
-  const std::vector<std::int32_t>& begin = tangent.row_begin;
-  return tangents.make_rows(
-      {geometries_of_tangent(), tangent_kind, {}}, [&](const BlockRows& rows) {
-        const auto row = static_cast<std::size_t>(rows.row);
-        tangent_solver->put(rows);
-        return rows_are_finite(rows.value, rows.size, 9 * Index{begin[row + 1] - begin[row]},
-                               rows.lanes);
-      });
+  return tangents.make_rows({geometries_of_tangent(), tangent_kind, {}},
+                            [&](const BlockRows& rows) {
+                              tangent_solver->put(rows);
+                              return true;
+                            });
 }
 
 /// The same rows, and the diagonal, to the whole matrix.
@@ -168,7 +165,9 @@ void System::stiffen(Index node, const Eigen::Matrix3d& block) {
 }
 
 double System::root_mean_square(const NodeVectors& field) const {
-  return std::sqrt(mass().dot(field.rowwise().squaredNorm()) / mass().sum());
+  double sum = 0;
+  for (Index c = 0; c < 3; ++c) sum += mass().dot(field.col(c).cwiseAbs2());
+  return std::sqrt(sum / mass().sum());
 }
 
 NodeValues System::mean_stiffness() const {

@@ -25,17 +25,19 @@ thread_local Buffers buffers;
 
 }  // namespace
 
-BlockRows TangentMatrix::gather(const TangentSchedule::Group& group) const {
+bool TangentMatrix::make_group(const TangentSchedule::Group& group, const TakeRows& take) const {
   const std::uint32_t* places = schedule_->places(group.place);
-  double* const rows = buffers.rows.data();
+  double *const rows = buffers.rows.data(), *const room = buffers.room.data();
+  bool is_finite = true;
   for (std::size_t set = 0; set < sets_.size(); ++set) {
     const TangentPlan& plan = schedule_->plan(group.plan + set);
     const SampleNumbers numbers{buffers.h.data(), places, along_normal_[set], sets_[set].blocks()};
-    (group.size == 1 ? make_row : deform::make_rows)(plan, numbers, set > 0, buffers.room.data(),
-                                                     rows);
+    // Of the last set, to whose rows those before are added.
+    is_finite = group.size == 1 ? make_row(plan, numbers, set > 0, room, rows)
+                                : deform::make_rows(plan, numbers, set > 0, group.size, room, rows);
     places += plan.samples;
   }
-  return {group.row, group.size, rows, group.size == 1 ? 1 : kRowLanes};
+  return take({group.row, group.size, rows, group.size == 1 ? 1 : kRowLanes}) && is_finite;
 }
 
 bool TangentMatrix::make_segment(const TangentSchedule::Segment& segment, const Wanted& wanted,
@@ -52,7 +54,7 @@ bool TangentMatrix::make_segment(const TangentSchedule::Segment& segment, const 
                                kSampleLanes);
     }
     for (std::size_t g = at.group; g < at.group_end; ++g)
-      is_finite &= take(gather(schedule.groups()[g]));
+      is_finite &= make_group(schedule.groups()[g], take);
   }
   return is_finite;
 }

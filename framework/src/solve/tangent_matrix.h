@@ -30,10 +30,10 @@ class TangentMatrix {
     Tangent kind;
     const std::vector<double>& factors;
   };
-  /// Takes some rows; returns whether all of their numbers are finite. Called from several threads
-  /// at once, for different rows.
+  /// Takes some rows; returns whether what became of them is finite. Called from several threads at
+  /// once, for different rows.
   using TakeRows = std::function<bool(const BlockRows&)>;
-  /// Makes each row of K = Σ D_mᵀ A h_mn D_n, the sum being over sets. Returns whether all are
+  /// Makes each row of K = Σ D_mᵀ A h_mn D_n, the sum being over sets. Returns whether all rows are
   /// finite.
   bool make_rows(const Wanted& wanted, const TakeRows& take);
   /// The same to a matrix of the pattern, blocks that none adds to becoming 0; or K += Σ with
@@ -43,7 +43,7 @@ class TangentMatrix {
  private:
   [[nodiscard]] bool make_segment(const TangentSchedule::Segment& segment, const Wanted& wanted,
                                   const TakeRows& take) const;
-  [[nodiscard]] BlockRows gather(const TangentSchedule::Group& group) const;
+  [[nodiscard]] bool make_group(const TangentSchedule::Group& group, const TakeRows& take) const;
 
   std::vector<TangentAssembler> sets_;
   const BlockMatrix* pattern_ = nullptr;

@@ -57,10 +57,12 @@ template <class Number>
   }
 }
 
-/// Blocks of the row from these, number q of the row at rows[q · stride].
+/// Blocks of the row from these, number q of the row at rows[q · stride]; adds 0 times each to
+/// `zeros`, which is not 0 then where some is not finite.
 template <class Number>
 [[gnu::always_inline]] inline void make_blocks(const TangentPlan& plan, const double* parts,
-                                               bool adds, double* rows, Index stride) {
+                                               bool adds, double* rows, Index stride,
+                                               Number& zeros) {
   const TangentPlan::Right* right = plan.right.data();
   for (const std::uint32_t end : plan.right_end) {
     Number sum[9]{};
@@ -70,7 +72,10 @@ template <class Number>
       const double* const part = parts + Index{9} * right->part * kLanes<Number>;
       for (int k = 0; k < 9; ++k) sum[k] += right->d * load<Number>(part + k * kLanes<Number>);
     }
-    for (int k = 0; k < 9; ++k, rows += stride) store(sum[k], rows);
+    for (int k = 0; k < 9; ++k, rows += stride) {
+      zeros += 0.0 * sum[k];
+      store(sum[k], rows);
+    }
   }
 }
 
@@ -102,7 +107,8 @@ template <class Number>
 
 template <class Number>
 [[gnu::always_inline]] inline void make_normal_blocks(const TangentPlan& plan, const double* parts,
-                                                      bool adds, double* rows, Index stride) {
+                                                      bool adds, double* rows, Index stride,
+                                                      Number& zeros) {
   static constexpr int kOfEntry[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5};
   const double* const normals = parts + static_cast<Index>(plan.parts.size()) * kLanes<Number>;
   const TangentPlan::Right* right = plan.right.data();
@@ -116,28 +122,40 @@ template <class Number>
       const double* const n = normals + Index{6} * sample * kLanes<Number>;
       for (int k = 0; k < 6; ++k) sum[k] += factor * load<Number>(n + k * kLanes<Number>);
     }
-    for (int k = 0; k < 9; ++k, rows += stride)
-      store(adds ? load<Number>(rows) + sum[kOfEntry[k]] : sum[kOfEntry[k]], rows);
+    for (int k = 0; k < 9; ++k, rows += stride) {
+      Number whole = sum[kOfEntry[k]];
+      if (adds) whole += load<Number>(rows);
+      zeros += 0.0 * whole;
+      store(whole, rows);
+    }
   }
 }
 
-/// Rows from a lane on.
+/// Rows from a lane on; returns what is 0 for each that is finite.
 template <class Number>
-[[gnu::always_inline]] inline void make(const TangentPlan& plan, const SampleNumbers& of, bool adds,
-                                        Index lane, double* room, double* rows, Index stride) {
+[[gnu::always_inline]] inline Number make(const TangentPlan& plan, const SampleNumbers& of,
+                                          bool adds, Index lane, double* room, double* rows,
+                                          Index stride) {
+  Number zeros{};
   if (of.are_normal) {
     make_normal_parts<Number>(plan, of, lane, room);
-    make_normal_blocks<Number>(plan, room, adds, rows + lane, stride);
+    make_normal_blocks<Number>(plan, room, adds, rows + lane, stride, zeros);
   } else {
     make_parts<Number>(plan, of.h + lane, of.places, room);
-    make_blocks<Number>(plan, room, adds, rows + lane, stride);
+    make_blocks<Number>(plan, room, adds, rows + lane, stride, zeros);
   }
+  return zeros;
 }
 
-DEFORM_KERNEL void make_rows_side_by_side(const TangentPlan& plan, const SampleNumbers& of,
-                                          bool adds, double* room, double* rows) {
-  for (Index lane = 0; lane < kRowLanes; lane += kLanes<Numbers>)
-    make<Numbers>(plan, of, adds, lane, room, rows, kRowLanes);
+/// What lanes beyond `size` have is nobody's.
+DEFORM_KERNEL bool make_rows_side_by_side(const TangentPlan& plan, const SampleNumbers& of,
+                                          bool adds, Index size, double* room, double* rows) {
+  double zero = 0;
+  for (Index lane = 0; lane < size; lane += kLanes<Numbers>) {
+    const Numbers zeros = make<Numbers>(plan, of, adds, lane, room, rows, kRowLanes);
+    for (Index k = 0; k < std::min(kLanes<Numbers>, size - lane); ++k) zero += zeros[k];
+  }
+  return zero == 0;
 }
 
 /// Numbers of four rows, or four numbers of a row.
@@ -195,33 +213,20 @@ DEFORM_KERNEL bool move_row(const double* __restrict row, Index numbers, double*
   return is_finite;
 }
 
-/// 0 times what is there, added up, is not 0 where some is not finite.
-DEFORM_KERNEL bool are_finite(const double* rows, Index size, Index numbers, Index lanes) {
-  double zeros[kRowLanes]{};
-  for (Index q = 0; q < numbers; ++q)
-    for (Index k = 0; k < size; ++k) zeros[k] += 0.0 * rows[q * lanes + k];
-  double zero = 0;
-  for (Index k = 0; k < size; ++k) zero += zeros[k];
-  return zero == 0;
-}
-
 }  // namespace
 
-bool rows_are_finite(const double* rows, Index size, Index numbers, Index lanes) {
-  return are_finite(rows, size, numbers, lanes);
-}
 std::size_t room_for(const TangentPlan& plan) {
   const std::size_t of_blocks = 9 * plan.parts.size(),
                     of_normals = plan.parts.size() + 6 * plan.samples;
   return std::max(of_blocks, of_normals) * static_cast<std::size_t>(kLanes<Numbers>);
 }
-void make_rows(const TangentPlan& plan, const SampleNumbers& of, bool adds, double* room,
-               double* rows) {
-  make_rows_side_by_side(plan, of, adds, room, rows);
+bool make_rows(const TangentPlan& plan, const SampleNumbers& of, bool adds, Index size,
+               double* room, double* rows) {
+  return make_rows_side_by_side(plan, of, adds, size, room, rows);
 }
-void make_row(const TangentPlan& plan, const SampleNumbers& of, bool adds, double* room,
+bool make_row(const TangentPlan& plan, const SampleNumbers& of, bool adds, double* room,
               double* row) {
-  make<double>(plan, of, adds, 0, room, row, 1);
+  return make<double>(plan, of, adds, 0, room, row, 1) == 0;
 }
 bool store_rows(const double* rows, Index size, Index numbers, double* const* to, bool adds) {
   return move_rows(rows, size, numbers, to, adds);

@@ -55,19 +55,18 @@ struct SampleNumbers {
 };
 /// Numbers that making rows needs room for.
 [[nodiscard]] std::size_t room_for(const TangentPlan& plan);
-/// Makes kRowLanes rows, number q of the k-th at rows[q·kRowLanes + k], or `adds` to them; the k-th
-/// row's sample e has its number q at h[places[e] + k + q·kSampleLanes].
-void make_rows(const TangentPlan& plan, const SampleNumbers& of, bool adds, double* room,
-               double* rows);
+/// Makes `size` rows, at most kRowLanes, number q of the k-th at rows[q·kRowLanes + k], or `adds`
+/// to them; the k-th row's sample e has its number q at h[places[e] + k + q·kSampleLanes]. Writes
+/// the lanes behind them, too. Returns whether all rows are finite.
+[[nodiscard]] bool make_rows(const TangentPlan& plan, const SampleNumbers& of, bool adds,
+                             Index size, double* room, double* rows);
 /// Moves rows that lie side by side, as above, to where each is whole: the k-th to to[k]; or adds
 /// them to what is there. Returns whether all of these numbers are finite.
 [[nodiscard]] bool store_rows(const double* rows, Index size, Index numbers, double* const* to,
                               bool adds);
 /// Makes one row, or adds to it.
-void make_row(const TangentPlan& plan, const SampleNumbers& of, bool adds, double* room,
-              double* row);
-/// Whether some numbers of rows that lie side by side, as above, are finite.
-[[nodiscard]] bool rows_are_finite(const double* rows, Index size, Index numbers, Index lanes);
+[[nodiscard]] bool make_row(const TangentPlan& plan, const SampleNumbers& of, bool adds,
+                            double* room, double* row);
 /// Moves one row.
 [[nodiscard]] bool store_row(const double* row, Index numbers, double* to, bool adds);
 

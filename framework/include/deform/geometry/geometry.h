@@ -78,6 +78,7 @@ class DEFORM_API Geometry {
   /// What is computed of a state.
   enum class Detail : std::uint8_t {
     none,
+    metric,  ///< r_1, r_2, G
     first,   ///< what follows from r_1 and r_2: these, n, G, G^ij, the area element
     second,  ///< everything
   };
@@ -85,6 +86,10 @@ class DEFORM_API Geometry {
   /// Evaluates (3), (6), (8), (13), (15) at positions r (N × 3) [m], in parallel, with the same
   /// bits at any number of threads. What is left out is not a number.
   void compute(const SampleSet& samples, const NodeVectors& r, Detail detail = Detail::second);
+  /// The same in pieces, where somebody reads each while it is in cache: `begin`, then `compute`
+  /// for all samples, first … first+size−1 at a time. Thread-safe for different samples.
+  void begin(Detail detail);
+  void compute(const SampleSet& samples, const NodeVectors& r, Index first, Index size);
   /// Computes what was left out, if anything was, at the same positions r (N × 3) [m].
   void complete(const SampleSet& samples, const NodeVectors& r);
 

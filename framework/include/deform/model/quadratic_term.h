@@ -67,6 +67,9 @@ class DEFORM_API QuadraticTerm : public JetTerm {
   }
   [[nodiscard]] TermTraits traits() const final;
   [[nodiscard]] std::vector<Derivative> dependence() const final;
+  [[nodiscard]] Geometry::Detail reads() const final {
+    return form_ == Form::metric ? Geometry::Detail::metric : Geometry::Detail::second;
+  }
   void energy_density(const SampleBlock& block, Values density) const final;
   [[nodiscard]] std::vector<Coupling> couplings() const final;
   void stress(const SampleBlock& block, const Stress& sigma) const final;
