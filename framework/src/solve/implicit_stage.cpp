@@ -45,6 +45,8 @@ constexpr double kClose = 0.2;
 /// at most, or what is left over of the forces, and this often.
 constexpr double kContraction = 0.5;
 constexpr int kMostContractions = 8;
+/// So many of its tangents are projected, if they are asked for.
+constexpr int kProjected = 2;
 /// Corrections so much smaller than the first need not shrink one by one.
 constexpr double kSmall = 0.25;
 /// A tangent serves twice where in the last stage the second correction was this part of the
@@ -167,18 +169,18 @@ bool ImplicitStage::Impl::is_enough(double theta, double correction, double norm
 }
 
 /// Newton's method by its corrections alone, from the guess; false where they do not shrink fast
-/// enough, the state being the guess again. The first tangent is the projected one: far from the
-/// solution the exact one is no better, and often indefinite. It serves the second correction, too,
-/// where earlier ones shrank well; one that does not is none.
+/// enough, the state being the guess again. The first tangents are projected ones: far from the
+/// solution the exact one is no better, costs more, and is often indefinite. The first serves the
+/// second correction, too, where earlier ones shrank well; one that does not is none.
 bool ImplicitStage::Impl::contract(System& system, State& state) {
   guess = state.r;
   double first = 0, last = 0, last_norm = kInfinity, theta = first_contraction.theta();
   equation.begin_way(state);
   system.step_report().residuals.clear();
   leaps = false;
-  next = Tangent::projected;
   try {
-    for (int i = 0; i < kMostContractions; ++i, next = Tangent::exact) {
+    for (int i = 0; i < kMostContractions; ++i) {
+      next = i < kProjected ? Tangent::projected : Tangent::exact;
       const Span span("Newton iteration");
       const bool keeps_tangent =
           i == 1 && theta <= kGoodContraction && last_norm <= kCalmGuess * equation.scale();
