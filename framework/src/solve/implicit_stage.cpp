@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -162,7 +163,7 @@ bool ImplicitStage::Impl::find_correction(State& state, int i, bool keeps_tangen
 }
 
 /// Whether a correction that shrinks the error to `theta` of it leaves as little as it may, of the
-/// error and of the residual before it.
+/// error and of the residual before it; never where the residual alone decides.
 bool ImplicitStage::Impl::is_enough(double theta, double correction, double norm) const {
   return theta * correction <= (1 - theta) * settings.newton_error * equation.size() &&
          norm <= kCalm * equation.scale();
@@ -395,6 +396,7 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
   longest = kInfinity;
   remember(state, begun);
   system.step_report().residuals.clear();
+  double last = 0;  // correction
   for (std::int64_t i = 0;; ++i) {
     const Span span("Newton iteration");
     if (leaps && i == kMostLeaps) {
@@ -417,10 +419,15 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
     longest = direction.rowwise().norm().maxCoeff();
     if (longest <= kRoundingOfPositions * equation.size()) return "";
     angle = equation.has_potential() ? system.aim(state.r, direction) : 0;
+    const double correction = system.root_mean_square(direction);
+    const double theta = correction / std::exchange(last, correction);
+    const bool may_end =
+        leaps && angle <= turn && system.colliders() == 0 && is_enough(theta, correction, norm);
     if (leaps)
       step(system, state);
     else if (reason = search(system, state, norm); !reason.empty())
       return reason;
+    if (may_end && patience == 0) return "";  // Φ is the lowest
   }
 }
 

@@ -202,14 +202,12 @@ std::string System::solve_tangent_to(double tolerance, const NodeValues& d, cons
   {
     const Stopwatch watch(impl_->times.factorisation, "preparing the solver");
     const bool renews = std::exchange(impl_->renews, false);
-    if (!impl_->tangent_is_whole) {
-      impl_->solver_diagonal = d + impl_->tangent_diagonal;
-      reason = solver.factor_to_tolerance(impl_->solver_diagonal, renews);
-    } else {
-      if (solver.takes_rows() && !std::exchange(impl_->solver_has_tangent, true))
-        solver.put(impl_->tangent);
-      reason = solver.factor_to_tolerance(d, renews);
-    }
+    impl_->solver_diagonal = d;
+    if (!impl_->tangent_is_whole)
+      impl_->solver_diagonal += impl_->tangent_diagonal;
+    else if (solver.takes_rows() && !std::exchange(impl_->solver_has_tangent, true))
+      solver.put(impl_->tangent);
+    reason = solver.factor_to_tolerance(d, impl_->solver_diagonal, renews);
   }
   return reason.empty() ? solve_tangent_again(tolerance, b, x) : reason;
 }

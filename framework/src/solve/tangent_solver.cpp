@@ -96,11 +96,12 @@ void TangentSolver::put(const BlockMatrix& k) {
   });
 }
 
-std::string TangentSolver::factor_to_tolerance(const NodeValues& d, bool renew) {
+std::string TangentSolver::factor_to_tolerance(const NodeValues& d, const NodeValues& beside_rows,
+                                               bool renew) {
   if (!takes_rows()) return factor(d);
   d_ = d;
   guarded(iterative_.origin, "preparing to solve",
-          [&] { iterative_.object->blocks()->factor(d, renew); });
+          [&] { iterative_.object->blocks()->factor(beside_rows, renew); });
   return "";
 }
 

@@ -40,10 +40,12 @@ class TangentSolver {
   void put(const BlockRows& rows);
   /// All rows.
   void put(const BlockMatrix& k);
-  /// The same as `factor` and `solve` for solutions whose error is reduced to a tolerance. `renew`:
-  /// nothing that was prepared for earlier matrices may be used. Both return "" or why the matrix
-  /// is not positive definite, which an iterative solver may find only in the end.
-  [[nodiscard]] std::string factor_to_tolerance(const NodeValues& d, bool renew);
+  /// The same as `factor` and `solve` for solutions whose error is reduced to a tolerance.
+  /// `beside_rows`: d and what the rows that were put lack of K's diagonal (N). `renew`: nothing
+  /// that was prepared for earlier matrices may be used. Both return "" or why the matrix is not
+  /// positive definite, which an iterative solver may find only in the end.
+  [[nodiscard]] std::string factor_to_tolerance(const NodeValues& d, const NodeValues& beside_rows,
+                                                bool renew);
   [[nodiscard]] std::string solve_to_tolerance(double tolerance, const NodeVectors& b,
                                                NodeVectors& x);
   /// Who solves to a tolerance, and why; "" where that is the factorisation.

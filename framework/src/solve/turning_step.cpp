@@ -105,7 +105,7 @@ double TurningStep::aim(const NodeVectors& r, const NodeVectors& d) {
 
 std::string TurningStep::prepare() {
   if (solver_.takes_rows()) solver_.put(laplacian_);
-  return solver_.factor_to_tolerance(regular_, true);
+  return solver_.factor_to_tolerance(regular_, regular_, true);
 }
 
 void TurningStep::take(double s, NodeVectors& r) {

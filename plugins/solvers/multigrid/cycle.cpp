@@ -35,6 +35,7 @@ Cycle<Entry>::Cycle(const Pattern& finest, std::vector<Held> held,
     coarse.prepare(pattern, coarse_nodes_held(fine.held, to));
     to.bind(fine.strips, coarse.strips, Entry::kNumbers);
   }
+  if (!between_.empty()) sums_.resize(between_.front().interpolation().tasks().size());
 }
 
 template <class Entry>
@@ -124,6 +125,9 @@ void Cycle<Entry>::correct_from_coarser(std::size_t l) {
     const Runs::Task& task = tasks[static_cast<std::size_t>(t)];
     if (is_additive) level.start(task.row, task.size);
     to.interpolation().multiply(task, next.x, level.x, true);
+    // Held components of f are 0.
+    if (is_additive)
+      sums_[static_cast<std::size_t>(t)] = dot(level.f, level.x, task.row, task.size);
   });
   level.mask(level.x);
 }
@@ -136,8 +140,7 @@ double Cycle<Entry>::run() {
     return level.product(level.f, level.x);
   }
   correct_from_coarser(0);
-  if (treatment_ == Finest::smoothed) return level.smooth_and_multiply();
-  return level.product(level.f, level.x);
+  return treatment_ == Finest::smoothed ? level.smooth_and_multiply() : sums_.total();
 }
 
 template class Cycle<Block>;

@@ -44,6 +44,7 @@ class Cycle {
   std::deque<Level<Entry>> levels_;  // their products refer to their strips
   std::vector<Galerkin> between_;    // level and the next
   Finest treatment_;
+  Sums sums_;  // of f·x on the finest level
   Eigen::MatrixXd coarsest_, exact_inverse_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::MatrixXf inverse_;  // of the coarsest level
