@@ -113,7 +113,7 @@ class Levels : public testing::TestWithParam<Neighbours> {
   }
 
   double some() { return uniform_(random_); }
-  Index nodes() const { return GetParam().nodes; }
+  [[nodiscard]] Index nodes() const { return GetParam().nodes; }
   Field<float> some_field() {
     Field<float> y;
     blocks_.assign(y);

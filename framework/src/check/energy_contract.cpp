@@ -29,7 +29,7 @@ class JetBench {
     make_auxiliary();
   }
 
-  Evaluated evaluate(Index block_size, double prefill) const {
+  [[nodiscard]] Evaluated evaluate(Index block_size, double prefill) const {
     Evaluated all;
     for (Index first = 0; first < samples_.size(); first += block_size) {
       const Index size = std::min(block_size, samples_.size() - first);

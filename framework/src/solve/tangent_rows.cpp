@@ -96,8 +96,8 @@ template <class Number>
   }
   for (std::size_t e = 0; e < plan.samples; ++e) {
     const double* const n = of.h + of.places[e] + lane + of.blocks * kSampleLanes;
-    const Number x = load<Number>(n), y = load<Number>(n + kSampleLanes),
-                 z = load<Number>(n + 2 * kSampleLanes);
+    const auto x = load<Number>(n), y = load<Number>(n + kSampleLanes),
+               z = load<Number>(n + 2 * kSampleLanes);
     for (const Number& product : {x * x, x * y, x * z, y * y, y * z, z * z}) {
       store(product, parts);
       parts += kLanes<Number>;
@@ -152,7 +152,7 @@ DEFORM_KERNEL bool make_rows_side_by_side(const TangentPlan& plan, const SampleN
                                           bool adds, Index size, double* room, double* rows) {
   double zero = 0;
   for (Index lane = 0; lane < size; lane += kLanes<Numbers>) {
-    const Numbers zeros = make<Numbers>(plan, of, adds, lane, room, rows, kRowLanes);
+    const auto zeros = make<Numbers>(plan, of, adds, lane, room, rows, kRowLanes);
     for (Index k = 0; k < std::min(kLanes<Numbers>, size - lane); ++k) zero += zeros[k];
   }
   return zero == 0;

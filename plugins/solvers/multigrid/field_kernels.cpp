@@ -109,8 +109,8 @@ DEFORM_KERNEL void invert_blocks(Index size, const float* diagonal, Index lanes,
         *i_yz = i_yy + stride, *i_zz = i_yz + stride;
 #pragma GCC ivdep
   for (Index a = 0; a < size; ++a) {
-    const double x = static_cast<double>(xx[a]), y = static_cast<double>(yy[a]),
-                 z = static_cast<double>(zz[a]);
+    const auto x = static_cast<double>(xx[a]), y = static_cast<double>(yy[a]),
+               z = static_cast<double>(zz[a]);
     const bool has_x = x > 0, has_y = y > 0, has_z = z > 0;
     const double m_00 = has_x ? x : 1, m_11 = has_y ? y : 1, m_22 = has_z ? z : 1;
     const double m_01 = has_x && has_y ? static_cast<double>(xy[a]) : 0,

@@ -65,8 +65,9 @@ Runs::Run Runs::longest_run(const AlikeRows& rows, std::int32_t row,
   Run longest{row, 1, 1, rows.first(row), 1, 0, 0};
   for (const std::int32_t step : {1, 2}) {
     const auto goes_on = [&](std::int32_t a) {
-      return a + step < rows.rows() && !is_taken[static_cast<std::size_t>(a + step)] &&
-             rows.are_alike(a, a + step);
+      const Index next = Index{a} + step;
+      return next < rows.rows() && !is_taken[static_cast<std::size_t>(next)] &&
+             rows.are_alike(a, next);
     };
     if (!goes_on(row)) continue;
     const std::int32_t column_step = rows.first(row + step) - rows.first(row);
@@ -86,7 +87,7 @@ void Runs::take_runs(const AlikeRows& rows) {
     if (is_taken[static_cast<std::size_t>(a)]) continue;
     Run run = longest_run(rows, a, is_taken);
     for (std::int32_t i = 0; i < run.size; ++i)
-      is_taken[static_cast<std::size_t>(a + run.row_step * i)] = true;
+      is_taken[static_cast<std::size_t>(a + Index{run.row_step} * i)] = true;
     const std::span<const AlikeRows::Entry> shared = rows.shared(a);
     const auto begin = static_cast<std::uint32_t>(shares_.size());
     const auto [at, is_new] =

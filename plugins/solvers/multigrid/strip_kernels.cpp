@@ -82,13 +82,13 @@ template <class Value, class X, class Sum>
   each_rows<Sum>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
     using Vector = typename decltype(kind)::type;
     Vector of_row[3], sum[3];
-    const Vector diagonal = rows<Vector>(a.value + row);
+    const auto diagonal = rows<Vector>(a.value + row);
     for (Index c = 0; c < 3; ++c) {
       of_row[c] = rows<Vector>(x.data + c * x.stride + row);
       sum[c] = diagonal * of_row[c];
     }
     for (Index e = 1; e < a.entries; ++e) {
-      const Vector v = rows<Vector>(a.value + e * a.lanes + row);
+      const auto v = rows<Vector>(a.value + e * a.lanes + row);
       const Index column = row + a.distance[e];
       for (Index c = 0; c < 3; ++c) {
         sum[c] += v * rows<Vector>(x.data + c * x.stride + column);
@@ -123,7 +123,7 @@ DEFORM_KERNEL void multiply_blocks(const StripValues<float>& of,
       for (Index i = 0; i < 3; ++i) {
         Vector sum{};
         for (Index j = 0; j < 3; ++j) {
-          const Vector v = load<Vector>(value + (3 * i + j) * a.lanes + row);
+          const auto v = load<Vector>(value + (3 * i + j) * a.lanes + row);
           sum += v * of_column[j];
           along[j] += v * of_row[i];
         }
@@ -159,7 +159,7 @@ DEFORM_KERNEL void add_magnitudes(const StripValues<float>& of, float* upper, fl
     float* const column = lower + a.distance[e];
     each_rows<float>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
       using Vector = typename decltype(kind)::type;
-      const Vector v = load<Vector>(value + row);
+      const auto v = load<Vector>(value + row);
       const Vector magnitude = v < 0 ? -v : v;
       add_to(magnitude, upper + row);
       if (e > 0) add_to(magnitude, column + row);

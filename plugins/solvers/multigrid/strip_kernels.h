@@ -19,8 +19,8 @@ struct StripValues {
 /// upper += A x and lower += (A − D)ᵀ x for a strip's rows of the upper half A with the diagonal D,
 /// each from the strip's first row on; `lower` is written at all columns. Two arrays, as one's
 /// loads would wait for the other's stores.
-void multiply_blocks(const StripValues<float>& a, const Components<const float>& x,
-                     const Components<float>& upper, const Components<float>& lower);
+void multiply_blocks(const StripValues<float>& of, const Components<const float>& field,
+                     const Components<float>& to_upper, const Components<float>& to_lower);
 /// The same for one number an entry, for x, y and z alike; in double precision where small masses
 /// beside large stiffnesses would no longer be what they were.
 void multiply_scalars(const StripValues<float>& a, const Components<const float>& x,
@@ -31,7 +31,7 @@ void multiply_scalars(const StripValues<double>& a, const Components<const doubl
                       const Components<double>& upper, const Components<double>& lower);
 
 /// upper and lower, one number a row, += sums of magnitudes of a strip's entries.
-void add_magnitudes(const StripValues<float>& a, float* upper, float* lower);
+void add_magnitudes(const StripValues<float>& of, float* upper, float* lower);
 
 /// out = upper + lower.
 void add_halves(Index size, const float* upper, const float* lower, float* out);
@@ -54,6 +54,6 @@ struct RowsToPut {
 };
 /// Puts them, in single precision, where their first row lies in a strip of such distances, number
 /// q of entry e at to[(9 e + q) · lanes].
-void put_blocks(const RowsToPut& rows, const std::int32_t* distance, Index lanes, float* to);
+void put_blocks(const RowsToPut& put, const std::int32_t* distance, Index lanes, float* to);
 
 }  // namespace multigrid
