@@ -210,7 +210,7 @@ void check_blocks_of(const EnergyTerm& term, const Surface& surface, Checks& che
     check_reading(*jets, surface, r, checks);
     const auto bench = std::make_shared<JetBench>(*jets, surface, r, jets->reads());
     check_evaluation(checks, in_sample_order(bench, surface.samples(jets->role()).size()), true);
-    check_normal_tangents(*jets, *bench, checks);
+    check_normal_tangents(*jets, JetBench(*jets, surface, r, Geometry::Detail::second), checks);
   } else {
     checks.holds("is a JetTerm or a TupleTerm, or a sum of such", false,
                  "it is neither: no force comes of it");

@@ -46,7 +46,7 @@ constexpr double kClose = 0.2;
 /// at most, or what is left over of the forces, and this often.
 constexpr double kContraction = 0.5;
 constexpr int kMostContractions = 8;
-/// So many of its tangents are projected, if they are asked for.
+/// Its first corrections are by projected tangents, later ones by exact ones.
 constexpr int kProjected = 2;
 /// Corrections so much smaller than the first need not shrink one by one.
 constexpr double kSmall = 0.25;
@@ -55,12 +55,15 @@ constexpr double kSmall = 0.25;
 /// work is left over at the guess. A kept tangent takes less of these away: more than that, and
 /// they grow from step to step until a contraction fails.
 constexpr double kGoodContraction = 0.15, kAlmostGood = 0.2, kCalmGuess = 0.3;
-/// Part of a direction's error that an iterative solver may leave; and of what a contraction's
-/// corrections after its first are of, which is a part of that.
+/// Part of a direction's error that an iterative solver may leave; and where it is a contraction's
+/// second correction or a later one, which are smaller.
 constexpr double kForcing = 0.02, kForcingOfLater = 0.1;
 /// Part of the forces at work that may be left before a last correction: what it leaves of forces
 /// makes no large displacements, but the next step's guess worse, and so on.
 constexpr double kCalm = 0.1;
+
+/// Part of the error that an iterative solver may leave of a contraction's correction number i.
+double forcing(int i) { return i == 0 ? kForcing : kForcingOfLater; }
 
 /// Has strains measured as a stage wants them while it lives, however the stage ends.
 class StrainsOfAStage {
@@ -113,14 +116,15 @@ struct ImplicitStage::Impl {
   void choose_guess(System& system, const Stage& stage, State& state);
   [[nodiscard]] bool contract(System& system, State& state);
   [[nodiscard]] bool find_correction(State& state, int i, bool keeps_tangent);
-  [[nodiscard]] bool is_enough(double theta, double correction, double norm) const;
+  [[nodiscard]] bool is_enough(double theta, double tolerance, double correction,
+                               double norm) const;
   [[nodiscard]] std::string iterate(System& system, State& state);
   [[nodiscard]] double evaluate(System& system, State& state);
   [[nodiscard]] double evaluate_residual(System& system, State& state);
   void report(System& system, double norm) const;
   [[nodiscard]] bool is_converged(State& state, double norm);
   [[nodiscard]] std::string find_direction(State& state, std::int64_t iteration, double relative);
-  void step(System& system, State& state);
+  [[nodiscard]] bool step(System& system, State& state);
   double go_farther(System& system, const NodeVectors& from, double s, double there, State& state);
   void remember(State& state, double merit);
   void go_back(State& state);
@@ -156,16 +160,18 @@ struct ImplicitStage::Impl {
 
 /// Correction number i, by the tangent of the last one or by a new one; false where there is none.
 bool ImplicitStage::Impl::find_correction(State& state, int i, bool keeps_tangent) {
-  const double tolerance = i == 0 ? kForcing : kForcingOfLater;
-  return (keeps_tangent ? equation.find_direction_again(tolerance, direction)
-                        : equation.find_direction(state, tolerance, kind, direction))
+  return (keeps_tangent ? equation.find_direction_again(forcing(i), direction)
+                        : equation.find_direction(state, forcing(i), kind, direction))
       .empty();
 }
 
-/// Whether a correction that shrinks the error to `theta` of it leaves as little as it may, of the
-/// error and of the residual before it; never where the residual alone decides.
-bool ImplicitStage::Impl::is_enough(double theta, double correction, double norm) const {
-  return theta * correction <= (1 - theta) * settings.newton_error * equation.size() &&
+/// Whether a correction, found to `tolerance`, that shrinks the error to `theta` of it leaves as
+/// little as it may, of the error and of the residual before it; never where the residual alone
+/// decides.
+bool ImplicitStage::Impl::is_enough(double theta, double tolerance, double correction,
+                                    double norm) const {
+  const double left = std::max(theta, tolerance);
+  return left * correction <= (1 - left) * settings.newton_error * equation.size() &&
          norm <= kCalm * equation.scale();
 }
 
@@ -202,7 +208,7 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
           theta <= kContraction || correction <= kSmall * first || norm <= kContraction * last_norm;
       if (i > 0 && !shrinks) break;
       state.r += direction;
-      if (is_enough(theta, correction, norm)) {
+      if (is_enough(theta, forcing(i), correction, norm)) {
         if (i == 0) first_contraction.fade();
         return true;
       }
@@ -319,8 +325,9 @@ double ImplicitStage::Impl::go_farther(System& system, const NodeVectors& from, 
 
 /// One step as it comes, but for the angle that it may turn by: Φ need not fall at once, as steps
 /// into what a thin sheet resists most are taken back by the next. After a straight step the next
-/// tangent is that of the stress which this one foresaw.
-void ImplicitStage::Impl::step(System& system, State& state) {
+/// tangent is that of the stress which this one foresaw. Returns whether Φ is the lowest now; if
+/// not, it may be back where it was.
+bool ImplicitStage::Impl::step(System& system, State& state) {
   const Span span("step along the direction");
   before = state.r;
   if (patience == 0) tried = std::min(turn, angle);
@@ -331,11 +338,14 @@ void ImplicitStage::Impl::step(System& system, State& state) {
   if (merit < lowest.merit) {
     remember(state, merit);
     turn = std::min(kLargestTurn, kLonger * turn);
-  } else if (++patience == kMostPatience) {
+    return true;
+  }
+  if (++patience == kMostPatience) {
     go_back(state);
     turn = kShorter * tried;
     leaps = turn >= kSmallestTurn;
   }
+  return false;
 }
 
 /// Goes along the direction as far as the merit falls; false where it does not.
@@ -396,7 +406,7 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
   longest = kInfinity;
   remember(state, begun);
   system.step_report().residuals.clear();
-  double last = 0;  // correction
+  double last = 0;  // correction; 0: none that the next can be compared with
   for (std::int64_t i = 0;; ++i) {
     const Span span("Newton iteration");
     if (leaps && i == kMostLeaps) {
@@ -413,6 +423,7 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
     if (!reason.empty()) {
       if (!leaps || patience == 0) return "no direction of descent (" + reason + ")";
       go_back(state);
+      last = 0;
       turn *= kShorter;
       continue;
     }
@@ -421,13 +432,15 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
     angle = equation.has_potential() ? system.aim(state.r, direction) : 0;
     const double correction = system.root_mean_square(direction);
     const double theta = correction / std::exchange(last, correction);
-    const bool may_end =
-        leaps && angle <= turn && system.colliders() == 0 && is_enough(theta, correction, norm);
-    if (leaps)
-      step(system, state);
-    else if (reason = search(system, state, norm); !reason.empty())
+    const bool may_end = leaps && angle <= turn && system.colliders() == 0 &&
+                         is_enough(theta, kForcing, correction, norm);
+    if (leaps) {
+      const bool is_lowest = step(system, state);
+      if (may_end && is_lowest) return "";
+      if (patience == 0 && !is_lowest) last = 0;  // it went back
+    } else if (reason = search(system, state, norm); !reason.empty()) {
       return reason;
-    if (may_end && patience == 0) return "";  // Φ is the lowest
+    }
   }
 }
 

@@ -136,10 +136,16 @@ const JetAssembler::Term* JetAssembler::find(std::size_t number) const {
 }
 
 Geometry::Detail JetAssembler::detail() const {
+  const auto of = [](const JetTerm& term) {
+    const bool has_normals = term.has_normal_tangent(Tangent::projected) ||
+                             term.has_normal_tangent(Tangent::gauss_newton) ||
+                             term.has_normal_tangent(Tangent::exact) ||
+                             term.has_normal_tangent(Tangent::foreseen);
+    return std::max(term.reads(), has_normals ? Geometry::Detail::first : Geometry::Detail::none);
+  };
   auto most = Geometry::Detail::none;
   for (const Term& t : terms_)
-    most =
-        std::max(most, guarded(t.origin, "saying what it reads", [&] { return t.term->reads(); }));
+    most = std::max(most, guarded(t.origin, "saying what it reads", [&] { return of(*t.term); }));
   return most;
 }
 

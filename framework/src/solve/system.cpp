@@ -143,6 +143,8 @@ void System::Impl::update_geometry(const NodeVectors& r) {
 }
 
 const Geometry& System::Impl::complete_geometry(const SampleSet& samples, std::size_t place) {
+  if (!is_known[place])
+    throw Error(ExitCode::internal_error, "geometry is asked for, but of no state yet");
   Geometry& geometry = set_of(samples).geometry[place];
   geometry.complete(samples, known[place]);
   return geometry;

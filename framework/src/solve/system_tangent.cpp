@@ -249,6 +249,8 @@ std::vector<Freedom> System::hold_rigid_motions(const NodeVectors& r) {
   std::vector<Freedom> held = components_to_hold(*impl_->map, r);
   if (held == impl_->held_freedoms) return held;
   impl_->held_freedoms = held;
+  if (impl_->solver_has_tangent) (void)impl_->whole_tangent();  // the next solver gets it
+  impl_->solver_has_tangent = false;
   impl_->tangent_solver.reset();
   impl_->turning.reset();
   impl_->jacobian.reset();

@@ -116,7 +116,7 @@ void TangentAssembler::make_plan(const BlockMatrix& pattern, Index a, TangentPla
     for (const int n : derivatives_) {
       const std::vector<TangentPlan::Left> left = left_of(row.l[e], n);
       if (left.empty()) continue;
-      const auto part = static_cast<std::uint16_t>(plan.parts.size());
+      const auto part = static_cast<std::uint32_t>(plan.parts.size());
       bool is_used = false;
       for (std::size_t b = 0; b < stencil.nodes.size(); ++b) {
         const double d = stencil.d[b][static_cast<std::size_t>(n)];
@@ -129,7 +129,7 @@ void TangentAssembler::make_plan(const BlockMatrix& pattern, Index a, TangentPla
       if (!is_used) continue;
       plan.left.insert(plan.left.end(), left.begin(), left.end());
       plan.parts.push_back(
-          {static_cast<std::uint16_t>(plan.samples), static_cast<std::uint32_t>(plan.left.size())});
+          {static_cast<std::uint32_t>(plan.samples), static_cast<std::uint32_t>(plan.left.size())});
     }
     if (plan.parts.size() == parts) continue;
     ++plan.samples;

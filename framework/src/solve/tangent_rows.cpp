@@ -115,7 +115,7 @@ template <class Number>
   for (const std::uint32_t end : plan.right_end) {
     Number sum[6]{};
     for (const TangentPlan::Right* const last = plan.right.data() + end; right != last;) {
-      const std::uint16_t sample = plan.parts[right->part].sample;
+      const std::uint32_t sample = plan.parts[right->part].sample;
       Number factor{};
       for (; right != last && plan.parts[right->part].sample == sample; ++right)
         factor += right->d * load<Number>(parts + right->part * kLanes<Number>);

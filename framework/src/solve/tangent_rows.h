@@ -20,12 +20,11 @@ struct TangentPlan {
     auto operator<=>(const Left&) const = default;
   };
   struct Part {
-    std::uint16_t sample;
-    std::uint32_t left_end;
+    std::uint32_t sample, left_end;
     auto operator<=>(const Part&) const = default;
   };
   struct Right {
-    std::uint16_t part;
+    std::uint32_t part;
     double d;
     auto operator<=>(const Right&) const = default;
   };

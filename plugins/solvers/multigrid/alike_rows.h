@@ -42,13 +42,13 @@ class AlikeRows {
   }
   /// Whether the weights are those of another row and the columns by as much further as the first.
   [[nodiscard]] bool are_alike(Index row, Index other) const {
-    return kind_[static_cast<std::size_t>(row)].begin ==
-           kind_[static_cast<std::size_t>(other)].begin;
+    return kind_[static_cast<std::size_t>(row)] == kind_[static_cast<std::size_t>(other)];
   }
 
  private:
   struct Kind {
     std::uint32_t begin = 0, end = 0;  // in shared_
+    bool operator==(const Kind&) const = default;
   };
   std::vector<std::int32_t> first_;  // column of each row
   std::vector<Kind> kind_;

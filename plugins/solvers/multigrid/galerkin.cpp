@@ -1,8 +1,11 @@
 #include "galerkin.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <map>
 
+#include <deform/error.h>
 #include <deform/parallel.h>
 
 #include "entries.h"
@@ -112,54 +115,58 @@ class Galerkin::Planner {
   /// Σ over all a of column c of P, all b of row a of A, all d ≥ c of row b of P.
   [[nodiscard]] Plan plan(Index c) {
     Plan plan;
-    fine_columns_.clear();
-    coarse_columns_.clear();
-    parts_.clear();
-    const auto row = static_cast<std::int32_t>(c), first = transposed_.first(c);
-    for (std::size_t t = 0; t < transposed_.size(c); ++t) {
-      const auto [a, weight] = transposed_.entry(c, t);
-      for (const std::int32_t b : fine_.columns(a)) {
-        fine_columns_.push_back(b);
-        for (std::size_t q = 0; q < p_.size(b); ++q)
-          if (const auto [d, share] = p_.entry(b, q); d >= row) {
-            coarse_columns_.push_back(d);
-            parts_.push_back({d, b < a, {std::min(a, b) - first, std::abs(b - a)}, weight * share});
-            plan.sources.push_back(parts_.back().source);
-          }
-      }
-    }
-    sort_unique(fine_columns_);
-    sort_unique(coarse_columns_);
-    sort_unique(plan.sources);
-    std::ranges::sort(parts_);
-    std::size_t next = 0;
-    for (const std::int32_t d : coarse_columns_) {
-      plan.distance.push_back(d - row);
-      for (const bool is_mirrored : {false, true}) {
-        for (; next < parts_.size() && parts_[next].column == d &&
-               parts_[next].is_mirrored == is_mirrored;
-             ++next)
-          plan.terms.push_back(
-              {static_cast<std::uint16_t>(place_in(plan.sources, parts_[next].source)),
-               parts_[next].weight});
+    const auto row = static_cast<std::int32_t>(c);
+    find_columns(row, plan.sources);
+    for (const std::int32_t d : coarse_columns_) plan.distance.push_back(d - row);
+    // Of each entry, those as they are and those mirrored.
+    std::vector<std::array<std::vector<Term>, 2>> terms(coarse_columns_.size());
+    each_entry(row, [&](std::int32_t a, std::int32_t b, float weight, const Source& source) {
+      const auto from = static_cast<std::uint16_t>(place_in(plan.sources, source));
+      for (std::size_t q = 0; q < p_.size(b); ++q)
+        if (const auto [d, share] = p_.entry(b, q); d >= row)
+          terms[place_in(coarse_columns_, d)][b < a ? 1 : 0].push_back({from, weight * share});
+    });
+    for (const auto& of_entry : terms)
+      for (const std::vector<Term>& some : of_entry) {
+        plan.terms.insert(plan.terms.end(), some.begin(), some.end());
         plan.end.push_back(static_cast<std::uint32_t>(plan.terms.size()));
       }
-    }
     return plan;
   }
 
  private:
-  struct Part {
-    std::int32_t column;  // coarse
-    bool is_mirrored;
-    Source source;
-    float weight;
-    auto operator<=>(const Part&) const = default;
-  };
+  /// Calls visit(a, b, weight of a, where (a, b) is kept) for the entries of A that row c needs.
+  template <class Visit>
+  void each_entry(std::int32_t c, const Visit& visit) const {
+    const std::int32_t first = transposed_.first(c);
+    for (std::size_t t = 0; t < transposed_.size(c); ++t) {
+      const auto [a, weight] = transposed_.entry(c, t);
+      for (const std::int32_t b : fine_.columns(a))
+        visit(a, b, weight, Source{std::min(a, b) - first, std::abs(b - a)});
+    }
+  }
+
+  void find_columns(std::int32_t c, std::vector<Source>& sources) {
+    fine_columns_.clear();
+    coarse_columns_.clear();
+    each_entry(c, [&](std::int32_t /*a*/, std::int32_t b, float /*weight*/, const Source& source) {
+      fine_columns_.push_back(b);
+      sources.push_back(source);
+    });
+    sort_unique(fine_columns_);
+    sort_unique(sources);
+    if (sources.size() > std::numeric_limits<std::uint16_t>::max())
+      throw deform::Error(deform::ExitCode::internal_error,
+                          "multigrid: a coarse row is made of too many entries");
+    for (const std::int32_t b : fine_columns_)
+      for (std::size_t q = 0; q < p_.size(b); ++q)
+        if (const std::int32_t d = p_.entry(b, q).column; d >= c) coarse_columns_.push_back(d);
+    sort_unique(coarse_columns_);
+  }
+
   Pattern fine_;  // both triangles
   const AlikeRows &p_, &transposed_;
   std::vector<std::int32_t> fine_columns_, coarse_columns_;  // of the last row
-  std::vector<Part> parts_;
 };
 
 Galerkin::Galerkin(const Pattern& fine, const deform::Prolongation& p)

@@ -1,6 +1,8 @@
 #include "level.h"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace multigrid {
 namespace {

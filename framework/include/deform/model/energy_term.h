@@ -152,9 +152,10 @@ class DEFORM_API JetTerm : public EnergyTerm {
 
   /// The derivatives of the jet that the density depends on.
   [[nodiscard]] virtual std::vector<Derivative> dependence() const;
-  /// What the term reads of block.now and block.lagged; the rest of them is not a number. Default:
-  /// everything, or what follows from first derivatives where the density of a potential depends on
-  /// these alone and nothing else of the term says that it reads more.
+  /// What the term reads of block.now, block.lagged and block.origin; the rest of them is not a
+  /// number. Default: everything, or what follows from first derivatives where the density of a
+  /// potential depends on these alone and nothing else of the term says that it reads more. A term
+  /// with normal tangents gets the normal in any case.
   [[nodiscard]] virtual Geometry::Detail reads() const;
   /// Adds the second derivatives of the density at block.now; only for terms with a potential.
   /// Default: central differences of the stress, made positive semidefinite by their spectrum

@@ -62,9 +62,11 @@ struct StageSettings {
 /// friction (Coulomb's law, sticking included) are multipliers that are updated until they hold.
 ///
 /// With `newton_error`, and without colliders, it first tries to do without Φ: straight steps,
-/// whose lengths ‖Δ_k‖ must shrink by a factor of two at least, until θ/(1 − θ) ‖Δ_k‖, θ =
-/// ‖Δ_k‖/‖Δ_k−1‖ (at the first that of earlier stages), is below that error (Hairer & Wanner, IV.8;
-/// Deuflhard's natural monotonicity test), and forces are nearly balanced.
+/// whose lengths ‖Δ_k‖, or what is left over of the forces, must shrink by a factor of two at
+/// least, or the lengths to a quarter of the first's, until θ/(1 − θ) ‖Δ_k‖, θ = ‖Δ_k‖/‖Δ_k−1‖ (at
+/// the first that of earlier stages; at least what an iterative solver may leave), is below that
+/// error (Hairer & Wanner, IV.8; Deuflhard's natural monotonicity test), and forces are nearly
+/// balanced. The way with Φ may end so, too, where that falls.
 ///
 /// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
 /// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;

@@ -120,7 +120,8 @@ class DEFORM_API System {
   [[nodiscard]] const Reduction& reduction() const;
   [[nodiscard]] const std::vector<Named<EnergyTerm>>& energies() const;
 
-  /// Says that a step starts here: `previous_geometry` is that of this state until the next call.
+  /// Says that a step starts here: `previous_geometry` is that of this state until the next call;
+  /// `geometry` stays what it is.
   void begin_step(const State& state);
   /// Makes `geometry` that of a state; computes it unless it is known (same positions).
   void update_geometry(const State& state);
