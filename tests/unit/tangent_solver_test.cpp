@@ -79,5 +79,25 @@ TEST(TangentSolver, HandsOverTheWholeMatrix) {
   EXPECT_LT((product - b).cwiseAbs().maxCoeff(), 1e-12);
 }
 
+/// Where there is no factorisation, that is a reason for Newton's method, not the end.
+TEST(TangentSolver, SaysWhyWhereItIsAlone) {
+  const BlockMatrix k = chain(4);
+  const ReductionMap map{Reduction(4)};
+  const auto endless = std::make_shared<Endless>();
+  TangentSolver solver(
+      map, k, {},
+      [&] {
+        return std::vector<Named<LinearSolver>>{{"endless", "solver/endless", endless}};
+      },
+      [&]() -> const BlockMatrix& { return k; });
+  ASSERT_TRUE(solver.takes_rows());
+  solver.put(k);
+  const NodeValues d = NodeValues::Ones(4);
+  ASSERT_EQ(solver.factor_to_tolerance(d, d, true), "");
+  NodeVectors x;
+  EXPECT_NE(solver.solve_to_tolerance(0.1, NodeVectors::Ones(4, 3), x).find("endless"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace deform

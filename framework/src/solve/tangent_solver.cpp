@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "deform/error.h"
 #include "deform/log.h"
 #include "deform/parallel.h"
 
@@ -117,7 +118,12 @@ std::string TangentSolver::solve_to_tolerance(double tolerance, const NodeVector
     if (outcome == Outcome::solved && x.allFinite()) return "";
     if (handovers_++ == 0)
       log::info("solver " + iterative_.name + " leaves a matrix to a factorisation");
-    std::string reason = factor(d_);
+    std::string reason;
+    try {
+      reason = factor(d_);
+    } catch (const InputError&) {  // the scene names a solver that cannot factorise
+      reason = iterative_.name + ": too many iterations, and the scene names no other solver";
+    }
     if (!reason.empty()) return reason;
   }
   return solve(b, x);

@@ -11,7 +11,7 @@ namespace {
 constexpr double kDampingOfBound = 1.75;
 /// ω λ: below 2 by more than what so many power iterations may underestimate λ by.
 constexpr double kDampingOfLargest = 1.6;
-constexpr int kPowerIterations = 6;
+constexpr int kPowerIterations = 5;
 
 /// 1 or −1, without a pattern that a matrix might have, too.
 float random_sign(std::size_t i) {
@@ -96,11 +96,13 @@ void Level<Entry>::mask(Field<float>& y) const {
       if ((h.components >> c & 1) != 0) y(h.node, c) = 0;
 }
 
-/// Power iterations x ← D⁻¹A x; the quotient is xᵀA D⁻¹A x / xᵀA x.
+/// Power iterations x ← D⁻¹A x from a vector of some components; the quotient is
+/// xᵀA D⁻¹A x / xᵀA x.
 template <class Entry>
-void Level<Entry>::choose_damping() {
-  for (Index a = 0; a < nodes(); ++a)
-    for (Index c = 0; c < 3; ++c) x(a, c) = random_sign(static_cast<std::size_t>(3 * a + c));
+double Level<Entry>::largest_eigenvalue(Index first, Index end) {
+  x.set_zero();
+  for (Index c = first; c < end; ++c)
+    for (Index a = 0; a < nodes(); ++a) x(a, c) = random_sign(static_cast<std::size_t>(3 * a + c));
   mask(x);
   double largest = 0;
   for (int k = 0; k < kPowerIterations; ++k) {
@@ -108,6 +110,14 @@ void Level<Entry>::choose_damping() {
     Entry::smooth(0, nodes(), 1, inverse(), r.read(), x.write(), false);
     largest = below > 0 ? product(x, r) / below : 0;
   }
+  return largest;
+}
+
+/// Of vectors in the plane and normal to it: what is mirrored at z = 0 has the same ω then, and
+/// its solutions are mirror images.
+template <class Entry>
+void Level<Entry>::choose_damping() {
+  const double largest = std::max(largest_eigenvalue(0, 2), largest_eigenvalue(2, 3));
   damping_ = largest > 0 ? static_cast<float>(kDampingOfLargest / largest) : 0.65F;
 }
 

@@ -75,6 +75,7 @@ class Level {
  private:
   [[nodiscard]] Inverse inverse() const { return {inverse_.data(), nodes()}; }
   void find_cuts();
+  [[nodiscard]] double largest_eigenvalue(Index first, Index end);
   void add_correction(Index first, Index size);
 
   std::vector<float> inverse_;      // of the diagonal
