@@ -28,7 +28,6 @@ class Cycle {
   Cycle& operator=(const Cycle&) = delete;
 
   [[nodiscard]] Level<Entry>& finest() { return levels_.front(); }
-  [[nodiscard]] const Level<Entry>& finest() const { return levels_.front(); }
   /// The values of the finest level are there: makes those of the others, or leaves them at those
   /// of an earlier matrix.
   void renew(bool coarse_levels);

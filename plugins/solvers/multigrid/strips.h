@@ -59,7 +59,6 @@ class Strips {
   Strips() = default;
   explicit Strips(const Pattern& pattern);
 
-  [[nodiscard]] Index nodes() const { return static_cast<Index>(strip_of_.size()); }
   [[nodiscard]] const std::vector<Strip>& strips() const { return strips_; }
   [[nodiscard]] const std::vector<Chunk>& chunks() const { return chunks_; }
   [[nodiscard]] const Strip& strip_of(Index a) const {

@@ -138,6 +138,7 @@ class DEFORM_API System {
   /// Evaluates all forces at a state, and the tangent; `before`: positions before the last Newton
   /// step, for Tangent::foreseen. `rate`: dv/dr of an implicit step [1/s], for what depends on
   /// velocities: where v = (r − b)·rate, its −∂f/∂v (or what bounds it) times `rate` is added.
+  /// `use`: what for; it changes where the matrix is kept, not what it is.
   void evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before = nullptr,
                              double rate = 0, TangentUse use = TangentUse::any);
   /// Adds a symmetric 3 × 3 block [N/m] to the tangent of the last evaluate_with_tangent, on a
