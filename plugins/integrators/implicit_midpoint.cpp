@@ -32,6 +32,7 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
     stage_.time = from.time + h / 2;
     stage_.reach = 2;
     stage_.by_strains = false;
+    stage_.averages_strains = true;
     error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, target_);
     system.prescribe(end, target_);
     to.r = 0.5 * (from.r + target_);

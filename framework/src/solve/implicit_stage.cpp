@@ -70,8 +70,12 @@ class StrainsOfAStage {
  public:
   StrainsOfAStage(System& system, const Stage& s) : system_(system) {
     if (s.by_strains) system_.measure_strains_from(1 / s.tau, s.start, s.s, s.earlier);
+    if (s.averages_strains) system_.average_strains_from(s.start);
   }
-  ~StrainsOfAStage() { system_.measure_strains_from(0, {}); }
+  ~StrainsOfAStage() {
+    system_.measure_strains_from(0, {});
+    system_.end_average_of_strains();
+  }
   StrainsOfAStage(const StrainsOfAStage&) = delete;
   StrainsOfAStage& operator=(const StrainsOfAStage&) = delete;
 

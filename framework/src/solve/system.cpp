@@ -159,7 +159,7 @@ std::vector<std::string> System::notes() const {
 void System::Impl::evaluate(const State& state, JetAssembler::Part part) {
   const Stopwatch watch(times.assembly, "geometry, stress and force");
   evaluate_geometry_and_stress(state.r, part);
-  for (TupleAssembler& t : tuples) t.evaluate(state.r, state.r);
+  evaluate_tuples(state.r);
   force.setZero();
   add_internal_force(force);
   external.add_force(state, normals, force);
@@ -336,7 +336,8 @@ double System::energy(std::size_t term, const State& state) {
   for (const TupleAssembler& t : impl_->tuples)
     if (t.number() == term) {
       double sum = 0;
-      const std::vector<double> energies = t.energies(state.r);
+      const std::vector<double> energies =
+          impl_->averages_strains ? impl_->mean_energies(t, state.r) : t.energies(state.r);
       for (std::size_t i = 0; i < energies.size(); ++i) {
         if (!std::isfinite(energies[i])) throw_energy_not_finite(term, t.first_node(i));
         sum += energies[i];

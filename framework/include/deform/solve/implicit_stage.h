@@ -31,6 +31,9 @@ struct Stage {
   /// s T(earlier), so that a turn by a large angle is no strain; or, `by_strains` false, as those
   /// of v at r.
   bool by_strains = false;
+  /// Whether energies are of the mean strains of a step from `start`, of which the stage is the
+  /// middle (System::average_strains_from).
+  bool averages_strains = false;
   double s = 0;
   NodeVectors earlier{};
 };
