@@ -20,6 +20,7 @@ class ImplicitEquation {
   [[nodiscard]] bool has_potential() const { return has_potential_; }
   /// Of all forces.
   [[nodiscard]] bool is_gradient() const { return has_potential_ && !has_beside_; }
+  [[nodiscard]] bool averages_strains() const { return stage_->averages_strains; }
   [[nodiscard]] bool has_contacts() const { return with_contacts_; }
   /// Of the surface [m].
   [[nodiscard]] double size() const { return size_; }

@@ -42,6 +42,10 @@ constexpr double kRoundingOfForces = 1e-6;
 /// steps, and this close to a solution, their whole Jacobian is worth what it costs.
 constexpr std::int64_t kSlow = 10;
 constexpr double kClose = 0.2;
+/// Forces of averaged strains are no gradient: Φ with the work of what is beside it may fall on and
+/// on along a way that leads round. Where after so many steps nothing is close, a shorter time step
+/// does better.
+constexpr std::int64_t kMostRoundabout = 12;
 /// Newton's method without a look at Φ goes on while a correction is this part of the one before,
 /// at most, or what is left over of the forces, and this often.
 constexpr double kContraction = 0.5;
@@ -420,7 +424,9 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
     const double norm = evaluate(system, state);
     if (is_converged(state, norm) || longest <= kRoundingOfPositions * equation.size()) return "";
     const double relative = system.step_report().residual;
-    if (i == settings.iterations || (!leaps && !std::isfinite(norm)))
+    const bool goes_round = equation.averages_strains() && !equation.has_contacts() &&
+                            i >= kMostRoundabout && relative > kClose;
+    if (i == settings.iterations || goes_round || (!leaps && !std::isfinite(norm)))
       return fmt::format("{} iterations leave a residual of {:.3g}", i, relative);
     ++system.step_report().iterations;
     std::string reason = find_direction(state, i, relative);
