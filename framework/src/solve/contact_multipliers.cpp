@@ -1,7 +1,10 @@
 #include "solve/contact_multipliers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace deform {
 namespace {
@@ -10,15 +13,45 @@ namespace {
 /// a tenth of their error, and the matrix stays well conditioned.
 constexpr double kPenalty = 10;
 
+bool is_number_below(double x, std::size_t end) {
+  return x >= 0 && x < static_cast<double>(end) && x == std::floor(x);
+}
+
+/// Collider by collider, nodes ascending.
+std::pair<std::size_t, Index> place(const NodeContact& c) { return {c.body, c.node}; }
+
 }  // namespace
 
 void ContactMultipliers::begin(const System& system, const NodeValues& stiffness) {
   penalty_ = kPenalty * stiffness;
   nodes_ = stiffness.size();
+  planes_.clear();
   const std::size_t size = system.colliders() * static_cast<std::size_t>(nodes_);
-  if (lambda_.size() == size) return;
-  lambda_.assign(size, 0.0);
-  rubs_.clear();
+  if (lambda_.empty()) lambda_.assign(size, 0.0);
+  const bool is_inside = std::ranges::all_of(
+      rubs_, [&](const Rub& r) { return r.node < nodes_ && r.body < system.colliders(); });
+  if (lambda_.size() != size || !is_inside)
+    throw InputError("the checkpoint's \"contact.lambda\" or \"contact.friction\" is not of " +
+                     std::to_string(system.colliders()) + " colliders and " +
+                     std::to_string(nodes_) + " nodes");
+}
+
+/// Contacts of nodes that have crossed a collider become those with planes where they came in.
+void ContactMultipliers::follow_planes(const NodeVectors& end, std::vector<NodeContact>& near) {
+  const auto plane_of = [this](const NodeContact& c) {
+    return std::ranges::find(planes_, place(c), [](const Plane& p) { return place(p.contact); });
+  };
+  for (const NodeContact& c : near)
+    if (c.crossed && plane_of(c) == planes_.end())
+      planes_.push_back({c, c.normal.dot(Vec3(end.row(c.node).transpose())) - c.gap});
+  if (planes_.empty()) return;
+  std::erase_if(near, [&](const NodeContact& c) { return plane_of(c) != planes_.end(); });
+  for (const Plane& plane : planes_) {
+    near.push_back(plane.contact);
+    near.back().gap =
+        plane.contact.normal.dot(Vec3(end.row(plane.contact.node).transpose())) - plane.offset;
+  }
+  std::ranges::sort(near, {}, place);
 }
 
 void ContactMultipliers::find(const System& system, const Stage& stage, const NodeVectors& r) {
@@ -28,10 +61,11 @@ void ContactMultipliers::find(const System& system, const Stage& stage, const No
   for (std::size_t i = 0; i < lambda_.size(); ++i)
     within = std::max(within, lambda_[i] / penalty_[static_cast<Index>(i) % nodes_]);
   std::vector<NodeContact> near;
-  system.find_contacts(stage.end, end, within, near);
+  system.find_contacts(stage.end, stage.start, end, within, near);
+  follow_planes(end, near);
   pushes_.clear();
   for (const NodeContact& c : near)
-    if (const double force = lambda(c) - penalty_[c.node] * c.gap; force > 0)
+    if (const double force = lambda(c) - penalty(c) * c.gap; force > 0)
       pushes_.push_back({c, force});
   for (Rub& rub : rubs_) {
     const Vec3 moved = (end.row(rub.node) - stage.start.row(rub.node)).transpose();
@@ -46,13 +80,25 @@ const ContactMultipliers::Rub* ContactMultipliers::rub_of(const NodeContact& c) 
   return at != rubs_.end() && at->body == c.body && at->node == c.node ? &*at : nullptr;
 }
 
-std::vector<Touch> ContactMultipliers::touching() const {
-  std::vector<Touch> all;
+std::vector<Index> ContactMultipliers::touching() const {
+  std::vector<Index> all;
+  for (const Push& push : pushes_) all.push_back(push.contact.node);
+  std::ranges::sort(all);
+  return all;
+}
+
+/// M Δv = reach τ (N n + T): where the stage's end is not the step's, the rest of the step goes on
+/// with the same forces.
+std::vector<ContactImpulse> ContactMultipliers::impulses(const System& system,
+                                                         const Stage& stage) const {
+  std::vector<ContactImpulse> all;
   for (const Push& push : pushes_) {
-    const Rub* rub = rub_of(push.contact);
-    all.push_back({push.contact.node, push.contact.normal, rub != nullptr && rub->sticks()});
+    const NodeContact& c = push.contact;
+    const double per_force = stage.reach * stage.tau / system.mass()[c.node];
+    const Rub* rub = rub_of(c);
+    all.push_back({c.node, c.body, c.normal, per_force * push.force,
+                   rub == nullptr ? Vec3(Vec3::Zero()) : Vec3(per_force * rub->force)});
   }
-  std::ranges::stable_sort(all, {}, &Touch::node);
   return all;
 }
 
@@ -65,7 +111,7 @@ void ContactMultipliers::add_force(NodeVectors& f) const {
 void ContactMultipliers::add_tangent(System& system) const {
   for (const Push& push : pushes_) {
     const Vec3& n = push.contact.normal;
-    system.stiffen(push.contact.node, penalty_[push.contact.node] * reach_ * n * n.transpose());
+    system.stiffen(push.contact.node, penalty(push.contact) * reach_ * n * n.transpose());
   }
   for (const Rub& rub : rubs_) {
     Eigen::Matrix3d k = Eigen::Matrix3d::Identity() - rub.normal * rub.normal.transpose();
@@ -80,7 +126,7 @@ void ContactMultipliers::add_tangent(System& system) const {
 double ContactMultipliers::potential() const {
   double sum = 0;
   for (const Push& push : pushes_)
-    sum += 0.5 * push.force * push.force / (penalty_[push.contact.node] * reach_);
+    sum += 0.5 * push.force * push.force / (penalty(push.contact) * reach_);
   for (const Rub& rub : rubs_) {
     const double length = rub.trial.norm();
     const double slide =
@@ -121,6 +167,9 @@ void ContactMultipliers::load(const Memory& memory) {
     const auto entry = memory.entries().find(name);
     if (entry == memory.entries().end())
       throw InputError(std::string("the checkpoint has no \"") + name + '"');
+    if (!std::ranges::all_of(entry->second, [](double x) { return std::isfinite(x); }))
+      throw InputError(std::string("the checkpoint's \"") + name +
+                       "\" has a number that is not finite");
     return entry->second;
   };
   constexpr std::size_t kNumbers = 9;
@@ -129,14 +178,28 @@ void ContactMultipliers::load(const Memory& memory) {
     throw InputError("the checkpoint's \"contact.friction\" has " + std::to_string(all.size()) +
                      " numbers, expected a multiple of " + std::to_string(kNumbers));
   lambda_ = numbers("contact.lambda");
+  if (std::ranges::any_of(lambda_, [](double x) { return x < 0; }))
+    throw InputError("the checkpoint's \"contact.lambda\" has a number below 0");
   rubs_.clear();
   for (std::size_t i = 0; i < all.size(); i += kNumbers) {
     const double* x = all.data() + i;
+    // A collider's multipliers are as many as there are nodes.
+    if (!is_number_below(x[0], lambda_.size()) || !is_number_below(x[1], lambda_.size()))
+      throw InputError(
+          fmt::format("the checkpoint's \"contact.friction\" is of node {:g} and "
+                      "collider {:g}, expected such as there are",
+                      x[0], x[1]));
     rubs_.push_back({.node = static_cast<Index>(x[0]),
                      .body = static_cast<std::size_t>(x[1]),
                      .normal = {x[2], x[3], x[4]},
                      .limit = x[5],
                      .kept = {x[6], x[7], x[8]}});
+    const auto count = rubs_.size();
+    const auto at = [this](std::size_t k) { return std::pair(rubs_[k].body, rubs_[k].node); };
+    if (x[5] < 0 || (count > 1 && !(at(count - 2) < at(count - 1))))
+      throw InputError(
+          "the checkpoint's \"contact.friction\" is not in the order of colliders and nodes, or "
+          "has a limit below 0");
   }
 }
 
@@ -144,6 +207,7 @@ void ContactMultipliers::forget() {
   lambda_.clear();
   pushes_.clear();
   rubs_.clear();
+  planes_.clear();
 }
 
 }  // namespace deform
