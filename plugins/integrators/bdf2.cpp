@@ -1,3 +1,6 @@
+#include <cstdint>
+#include <limits>
+
 #include "implicit.h"
 #include "second_order_error.h"
 
@@ -33,7 +36,11 @@ class Bdf2 final : public ImplicitIntegrator {
     touched_.clear();
     const auto touched = memory.entries().find("touched");
     if (touched == memory.entries().end()) return;
-    for (const double node : touched->second) touched_.push_back(static_cast<Index>(node));
+    for (const double node : touched->second) {
+      if (!(node >= 0 && node <= std::numeric_limits<std::int32_t>::max()))
+        throw InputError("the checkpoint's \"touched\" has a number that is no node's");
+      touched_.push_back(static_cast<Index>(node));
+    }
   }
 
  protected:

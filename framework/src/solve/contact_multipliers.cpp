@@ -13,6 +13,14 @@ namespace {
 /// a tenth of their error, and the matrix stays well conditioned.
 constexpr double kPenalty = 10;
 
+const std::vector<double>& finite_numbers(const Memory& memory, const std::string& name) {
+  const auto entry = memory.entries().find(name);
+  if (entry == memory.entries().end()) throw InputError("the checkpoint has no \"" + name + '"');
+  if (!std::ranges::all_of(entry->second, [](double x) { return std::isfinite(x); }))
+    throw InputError("the checkpoint's \"" + name + "\" has a number that is not finite");
+  return entry->second;
+}
+
 bool is_number_below(double x, std::size_t end) {
   return x >= 0 && x < static_cast<double>(end) && x == std::floor(x);
 }
@@ -28,12 +36,11 @@ void ContactMultipliers::begin(const System& system, const NodeValues& stiffness
   planes_.clear();
   const std::size_t size = system.colliders() * static_cast<std::size_t>(nodes_);
   if (lambda_.empty()) lambda_.assign(size, 0.0);
-  const bool is_inside = std::ranges::all_of(
-      rubs_, [&](const Rub& r) { return r.node < nodes_ && r.body < system.colliders(); });
-  if (lambda_.size() != size || !is_inside)
-    throw InputError("the checkpoint's \"contact.lambda\" or \"contact.friction\" is not of " +
-                     std::to_string(system.colliders()) + " colliders and " +
-                     std::to_string(nodes_) + " nodes");
+  if (lambda_.size() != size)
+    throw InputError(
+        fmt::format("the checkpoint's \"contact.lambda\" has {} numbers, expected {} "
+                    "colliders times {} nodes",
+                    lambda_.size(), system.colliders(), nodes_));
 }
 
 /// Contacts of nodes that have crossed a collider become those with planes where they came in.
@@ -163,43 +170,46 @@ void ContactMultipliers::save(Memory& memory) const {
 }
 
 void ContactMultipliers::load(const Memory& memory) {
-  const auto numbers = [&](const char* name) -> const std::vector<double>& {
-    const auto entry = memory.entries().find(name);
-    if (entry == memory.entries().end())
-      throw InputError(std::string("the checkpoint has no \"") + name + '"');
-    if (!std::ranges::all_of(entry->second, [](double x) { return std::isfinite(x); }))
-      throw InputError(std::string("the checkpoint's \"") + name +
-                       "\" has a number that is not finite");
-    return entry->second;
-  };
+  lambda_ = finite_numbers(memory, "contact.lambda");
+  if (std::ranges::any_of(lambda_, [](double x) { return x < 0; }))
+    throw InputError("the checkpoint's \"contact.lambda\" has a number below 0");
+  const auto last = memory.entries().find("last.r");  // of the step that they are of
+  const std::size_t nodes = last == memory.entries().end() ? 0 : last->second.size() / 3;
+  if (nodes > 0 && lambda_.size() % nodes != 0)
+    throw InputError(
+        fmt::format("the checkpoint's \"contact.lambda\" has {} numbers, expected a "
+                    "multiple of the number of nodes, {}",
+                    lambda_.size(), nodes));
+  load_friction(finite_numbers(memory, "contact.friction"), nodes);
+}
+
+void ContactMultipliers::load_friction(const std::vector<double>& all, std::size_t nodes) {
   constexpr std::size_t kNumbers = 9;
-  const std::vector<double>& all = numbers("contact.friction");
   if (all.size() % kNumbers != 0)
     throw InputError("the checkpoint's \"contact.friction\" has " + std::to_string(all.size()) +
                      " numbers, expected a multiple of " + std::to_string(kNumbers));
-  lambda_ = numbers("contact.lambda");
-  if (std::ranges::any_of(lambda_, [](double x) { return x < 0; }))
-    throw InputError("the checkpoint's \"contact.lambda\" has a number below 0");
+  const std::size_t bodies = nodes == 0 ? 0 : lambda_.size() / nodes;
   rubs_.clear();
   for (std::size_t i = 0; i < all.size(); i += kNumbers) {
     const double* x = all.data() + i;
-    // A collider's multipliers are as many as there are nodes.
-    if (!is_number_below(x[0], lambda_.size()) || !is_number_below(x[1], lambda_.size()))
+    if (!is_number_below(x[0], nodes) || !is_number_below(x[1], bodies))
       throw InputError(
-          fmt::format("the checkpoint's \"contact.friction\" is of node {:g} and "
-                      "collider {:g}, expected such as there are",
-                      x[0], x[1]));
-    rubs_.push_back({.node = static_cast<Index>(x[0]),
-                     .body = static_cast<std::size_t>(x[1]),
-                     .normal = {x[2], x[3], x[4]},
-                     .limit = x[5],
-                     .kept = {x[6], x[7], x[8]}});
-    const auto count = rubs_.size();
-    const auto at = [this](std::size_t k) { return std::pair(rubs_[k].body, rubs_[k].node); };
-    if (x[5] < 0 || (count > 1 && !(at(count - 2) < at(count - 1))))
+          fmt::format("the checkpoint's \"contact.friction\" is of node {:g} and collider {:g}, "
+                      "expected whole numbers from 0, below {} and {}",
+                      x[0], x[1], nodes, bodies));
+    if (!(x[5] >= 0))
       throw InputError(
-          "the checkpoint's \"contact.friction\" is not in the order of colliders and nodes, or "
-          "has a limit below 0");
+          fmt::format("the checkpoint's \"contact.friction\" has a limit of {:g}", x[5]));
+    const Rub rub{.node = static_cast<Index>(x[0]),
+                  .body = static_cast<std::size_t>(x[1]),
+                  .normal = {x[2], x[3], x[4]},
+                  .limit = x[5],
+                  .kept = {x[6], x[7], x[8]}};
+    if (!rubs_.empty() &&
+        std::pair(rub.body, rub.node) <= std::pair(rubs_.back().body, rubs_.back().node))
+      throw InputError(
+          "the checkpoint's \"contact.friction\" is not in the order of colliders and nodes");
+    rubs_.push_back(rub);
   }
 }
 

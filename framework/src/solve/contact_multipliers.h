@@ -36,6 +36,8 @@ class ContactMultipliers {
                                                      const Stage& stage) const;
 
   void save(Memory& memory) const;
+  /// Throws InputError where a number cannot be one that was saved. "last.r" of the memory:
+  /// positions of the step that they are of.
   void load(const Memory& memory);
   void forget();
 
@@ -62,6 +64,7 @@ class ContactMultipliers {
   }
   /// κ of a contact: of the stiffness that the node has along the normal, as it is free to move.
   [[nodiscard]] double penalty(const NodeContact& c) const { return penalty_[c.node] / c.mobility; }
+  void load_friction(const std::vector<double>& all, std::size_t nodes);
   void follow_planes(const NodeVectors& end, std::vector<NodeContact>& near);
 
   Index nodes_ = 0;
