@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -45,18 +46,23 @@ void ContactMultipliers::begin(const System& system, const NodeValues& stiffness
 
 /// Contacts of nodes that have crossed a collider become those with planes where they came in.
 void ContactMultipliers::follow_planes(const NodeVectors& end, std::vector<NodeContact>& near) {
-  const auto plane_of = [this](const NodeContact& c) {
-    return std::ranges::find(planes_, place(c), [](const Plane& p) { return place(p.contact); });
+  const auto place_of = [](const Plane& p) { return place(p.contact); };
+  const auto known = static_cast<std::ptrdiff_t>(planes_.size());
+  const auto has_plane = [&](const NodeContact& c, std::ptrdiff_t among) {
+    return std::ranges::binary_search(planes_.begin(), planes_.begin() + among, place(c), {},
+                                      place_of);
+  };
+  const auto height = [&](const NodeContact& c) {
+    return c.normal.dot(Vec3(end.row(c.node).transpose()));
   };
   for (const NodeContact& c : near)
-    if (c.crossed && plane_of(c) == planes_.end())
-      planes_.push_back({c, c.normal.dot(Vec3(end.row(c.node).transpose())) - c.gap});
+    if (c.crossed && !has_plane(c, known)) planes_.push_back({c, height(c) - c.gap});
   if (planes_.empty()) return;
-  std::erase_if(near, [&](const NodeContact& c) { return plane_of(c) != planes_.end(); });
+  std::ranges::sort(planes_, {}, place_of);
+  std::erase_if(near, [&](const NodeContact& c) { return has_plane(c, std::ssize(planes_)); });
   for (const Plane& plane : planes_) {
     near.push_back(plane.contact);
-    near.back().gap =
-        plane.contact.normal.dot(Vec3(end.row(plane.contact.node).transpose())) - plane.offset;
+    near.back().gap = height(plane.contact) - plane.offset;
   }
   std::ranges::sort(near, {}, place);
 }

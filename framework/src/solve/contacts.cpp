@@ -22,6 +22,8 @@ namespace {
 constexpr int kMostRounds = 8;
 /// A way this short, relative to coordinates, is rounding.
 constexpr double kNoWay = 1e-12;
+/// What begins behind a tangent plane by less than this part of its way begins on it.
+constexpr double kOnPlane = 1e-9;
 /// Cosine of the angle between normals of the same side of a body: less than that, and a node has
 /// come in on another side than the nearest.
 constexpr double kSameSide = 0.5;
@@ -67,7 +69,7 @@ bool Contacts::may_cross(const Body& body, Index node, const Vec3& from, const V
   // A convex body lies behind its tangent plane: a way that begins before it does not enter but
   // where it ends.
   const bool is_convex = is_convex_[static_cast<std::size_t>(&body - bodies_.data())];
-  return !is_convex || normal.dot(from - to) + gap < -kNoWay * std::sqrt(square);
+  return !is_convex || normal.dot(from - to) + gap < -kOnPlane * std::sqrt(square);
 }
 
 std::vector<EntryPlane> Contacts::crossings(const Body& body, double time, const NodeVectors& from,

@@ -112,7 +112,7 @@ void TurningStep::find_floating(const NodeVectors& rest) {
   for (const std::vector<Index>& nodes : joined(links_, rest.rows()))
     for (int c = 0; c < 3; ++c)
       if (std::ranges::none_of(
-              nodes, [&](Index a) { return ((held[static_cast<std::size_t>(a)] >> c) & 1) != 0; }))
+              nodes, [&](Index a) { return (held[static_cast<std::size_t>(a)] & (1U << c)) != 0; }))
         floating_.push_back({c, nodes});
 }
 
