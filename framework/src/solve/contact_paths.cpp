@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace deform {
 namespace {
@@ -23,6 +24,13 @@ struct Path {
 };
 
 enum class Look : std::uint8_t { on, in, past };
+
+/// How far to go from a gap where a body may not be convex: as far as that is known to be free;
+/// along a surface `shortest`, or to where the surface would be met if it were flat.
+double step_near(double gap, double approach, double shortest) {
+  if (gap >= shortest) return gap;
+  return approach * shortest > gap ? gap / approach : shortest;
+}
 
 /// What a look at the gap says: goes on, is in, or does not come in at all.
 Look advance(Path& path, double gap, const Vec3& normal, bool is_convex) {
@@ -46,7 +54,7 @@ Look advance(Path& path, double gap, const Vec3& normal, bool is_convex) {
   }
   path.outside = path.at;
   if (is_convex && !(approach > 0)) return Look::past;
-  path.at += is_convex ? gap / approach : std::max(gap, kShortest * path.length);
+  path.at += is_convex ? gap / approach : step_near(gap, approach, kShortest * path.length);
   return path.at < path.length ? Look::on : Look::past;
 }
 
