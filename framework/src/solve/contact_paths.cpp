@@ -29,7 +29,7 @@ enum class Look : std::uint8_t { on, in, past };
 /// along a surface `shortest`, or to where the surface would be met if it were flat.
 double step_near(double gap, double approach, double shortest) {
   if (gap >= shortest) return gap;
-  return approach * shortest > gap ? gap / approach : shortest;
+  return gap > 0 && approach * shortest > gap ? gap / approach : shortest;
 }
 
 /// What a look at the gap says: goes on, is in, or does not come in at all.
