@@ -31,6 +31,7 @@ class BackwardEuler final : public ImplicitIntegrator {
     system.prescribe(end, to.r);
     std::string failure = newton_.solve(system, stage_, to);
     to.time = end;
+    if (failure.empty()) newton_.settle(system, stage_, h, to);
     // r(t + h) = r + h v⁺ − h² r̈/2 + …, with r̈ = (v⁺ − v)/h.
     return {std::move(failure), with_error() ? NodeVectors(h / 2 * (to.v - from.v)) : NodeVectors(),
             newton_.resolves_contacts()};

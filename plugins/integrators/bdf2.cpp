@@ -1,3 +1,6 @@
+#include <cstdint>
+#include <limits>
+
 #include "implicit.h"
 #include "second_order_error.h"
 
@@ -33,7 +36,11 @@ class Bdf2 final : public ImplicitIntegrator {
     touched_.clear();
     const auto touched = memory.entries().find("touched");
     if (touched == memory.entries().end()) return;
-    for (const double node : touched->second) touched_.push_back(static_cast<Index>(node));
+    for (const double node : touched->second) {
+      if (!(node >= 0 && node <= std::numeric_limits<std::int32_t>::max()))
+        throw InputError("the checkpoint's \"touched\" has a number that is no node's");
+      touched_.push_back(static_cast<Index>(node));
+    }
   }
 
  protected:
@@ -56,8 +63,10 @@ class Bdf2 final : public ImplicitIntegrator {
     std::string failure = newton_.solve(system, stage_, to);
     if (!failure.empty()) return {std::move(failure), {}, false};
     to.time = end;
+    newton_.settle(system, stage_, h, to);
+    touching_ = newton_.resolves_contacts() ? newton_.touching() : system.collide(from.r, h, to);
     const double C = (1 + omega) * (1 + omega) / (6 * omega * (1 + 2 * omega));
-    Attempt done{"", {}, newton_.resolves_contacts()};
+    Attempt done{.failure = "", .error = {}, .resolved_contacts = true};
     if (with_error())
       done.error = goes_on ? error_.of(from, to, h, C) : NodeVectors(h / 2 * (to.v - from.v));
     return done;
@@ -67,10 +76,8 @@ class Bdf2 final : public ImplicitIntegrator {
   void accept(const State& from, const State& to) override {
     error_.accept(from, to);
     before_ = from;
-    std::vector<Index> touching;
-    for (const Touch& touch : newton_.touching()) touching.push_back(touch.node);
-    has_before_ = touching == touched_;
-    touched_ = std::move(touching);
+    has_before_ = touching_ == touched_;
+    touched_ = touching_;
   }
   void forget() override {
     ImplicitIntegrator::forget();
@@ -82,8 +89,9 @@ class Bdf2 final : public ImplicitIntegrator {
  private:
   SecondOrderError error_;
   bool has_before_ = false;
-  State before_;                // where the last step began
-  std::vector<Index> touched_;  // nodes that colliders held in the last step
+  State before_;                 // where the last step began
+  std::vector<Index> touched_;   // nodes that colliders held in the last step …
+  std::vector<Index> touching_;  // … and in the last attempt
 };
 
 }  // namespace

@@ -41,7 +41,7 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
     to.r = 2 * to.r - from.r;
     to.v = 2 * to.v - from.v;
     to.time = end;
-    stop_what_touches(from, h, to);
+    newton_.settle(system, stage_, h, to);
     system.prescribe(end, to.r);
     system.prescribe_velocity(end, to.v);
     return {"", with_error() ? error_.of(from, to, h, 1.0 / 12) : NodeVectors(),
@@ -55,17 +55,6 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
   }
 
  private:
-  /// Contact is inelastic: what came to a collider does not leave it with the velocity it came
-  /// with, as 2 v_m − v would have it, nor does what sticks slide back.
-  void stop_what_touches(const State& from, double h, State& to) const {
-    for (const Touch& touch : newton_.touching()) {
-      const Vec3 mean = (to.r.row(touch.node) - from.r.row(touch.node)).transpose() / h;
-      const Vec3 excess = Vec3(to.v.row(touch.node).transpose()) - mean;
-      const Vec3 stopped = touch.sticks ? excess : Vec3(excess.dot(touch.normal) * touch.normal);
-      to.v.row(touch.node) -= stopped.transpose();
-    }
-  }
-
   SecondOrderError error_;
   NodeVectors target_;  // guess of the step's end
 };

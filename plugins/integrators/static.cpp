@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include <deform/log.h>
@@ -322,17 +323,28 @@ class Static final : public Integrator {
     system.step_report().iterations = 1;
   }
 
+  /// Eigenvalues at the last tangent; nothing where they cannot be had: an equilibrium, or the
+  /// reason why there is none, is worth reporting without.
+  [[nodiscard]] static std::optional<System::Stability> stability_of(System& system) {
+    try {
+      return system.stability();
+    } catch (const Error& e) {
+      if (e.code() != ExitCode::diverged) throw;
+      return std::nullopt;
+    }
+  }
+
   /// Whether the equilibrium is one that the surface stays at.
   void report_stability(System& system, const State& state) {
     if (!has_potential_) return;
     system.evaluate_with_tangent(state, Tangent::exact);
     if (system.factor_tangent(zero_).empty()) return;
-    const System::Stability stability = system.stability();
-    if (stability.negative == 0) return;
+    const std::optional<System::Stability> found = stability_of(system);
+    if (!found || found->negative == 0) return;
     log::warn("static: the equilibrium at " + std::to_string(end_) +
               " s is not stable: a limit or bifurcation point was passed (" +
-              std::to_string(stability.negative) + " negative eigenvalues of the tangent, lowest " +
-              scientific(stability.lowest) + " /s²)");
+              std::to_string(found->negative) + " negative eigenvalues of the tangent, lowest " +
+              scientific(found->lowest) + " /s²)");
   }
 
   [[noreturn]] void give_up(System& system, const State& state, double done,
@@ -341,9 +353,9 @@ class Static final : public Integrator {
         "no equilibrium beyond " + std::to_string(100 * done) + " % of the step's load: " + reason;
     if (has_potential_) {
       system.evaluate_with_tangent(state, Tangent::exact);
-      const System::Stability stability = system.stability();
-      why += "; the lowest eigenvalue of the tangent there is " + scientific(stability.lowest) +
-             " /s² (near 0: a limit or bifurcation point)";
+      if (const std::optional<System::Stability> found = stability_of(system))
+        why += "; the lowest eigenvalue of the tangent there is " + scientific(found->lowest) +
+               " /s² (near 0: a limit or bifurcation point)";
     }
     throw Error(ExitCode::diverged, why);
   }

@@ -83,6 +83,7 @@ class ImplicitEquation {
   ContactMultipliers contacts_;
   bool has_potential_ = true, has_beside_ = false;
   bool with_contacts_ = false, contacts_begun_ = false;
+  bool has_jacobian_solver_ = true;  // as far as is known
   double size_ = 0, scale_ = 0;
   NodeValues mass_, damping_;  // M/τ², Γ/τ [N/m]
   NodeValues diagonal_;        // their sum

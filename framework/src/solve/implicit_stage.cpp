@@ -481,7 +481,12 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
   return "";
 }
 
-std::vector<Touch> ImplicitStage::touching() const { return impl_->equation.contacts().touching(); }
+std::vector<Index> ImplicitStage::touching() const { return impl_->equation.contacts().touching(); }
+void ImplicitStage::settle(const System& system, const Stage& stage, double step,
+                           State& end) const {
+  if (impl_->equation.has_contacts())
+    system.settle(step, impl_->equation.contacts().impulses(system, stage), end);
+}
 bool ImplicitStage::counts_corrections() const { return impl_->settings.newton_error > 0; }
 bool ImplicitStage::resolves_contacts() const { return impl_->equation.has_potential(); }
 void ImplicitStage::save(Memory& memory) const {

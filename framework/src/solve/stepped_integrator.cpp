@@ -142,6 +142,9 @@ void SteppedIntegrator::advance_adaptive(System& system, State& state, double st
     std::swap(right_, to_);
   }
   interpolate(system, end, state);
+  // A polynomial knows of no impact: what it takes into a collider is put on its surface.
+  if (system.colliders() > 0 && end > left_.time)
+    (void)system.collide(left_.r, end - left_.time, state);
 }
 
 SteppedIntegrator::Attempt SteppedIntegrator::try_step(System& system, const State& from,

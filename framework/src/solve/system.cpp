@@ -21,7 +21,7 @@ System::Impl::Impl(ModelParts p) : parts(std::move(p)), external(parts) {
     guarded(c.origin, "saying what it holds", [&] { c.object->reduce(reduction); });
   map.emplace(reduction);
   if (parts.mirrored) map->reflect();
-  contacts.emplace(parts.bodies, parts.mirrored, map->reduction());
+  contacts.emplace(parts.bodies, parts.mirrored, *map);
   force = NodeVectors::Zero(n, 3);
   normals = NodeVectors::Zero(n, 3);
   force_stiffness = force_damping = NodeValues::Zero(n);
@@ -284,14 +284,19 @@ void System::constrain(const NodeVectors& before, double step, State& after) con
         after.v(a, c) = (after.r(a, c) - before(a, c)) / step;
 }
 
-void System::collide(const NodeVectors& before, double step, State& after) {
-  if (!impl_->contacts->none()) impl_->contacts->resolve(before, step, after);
+std::vector<Index> System::collide(const NodeVectors& before, double step, State& after) {
+  return impl_->contacts->resolve(before, step, after);
 }
 
-void System::find_contacts(double time, const NodeVectors& r, double within,
-                           std::vector<NodeContact>& contacts) const {
-  impl_->contacts->find(time, r, within, contacts);
+void System::find_contacts(double time, const NodeVectors& from, const NodeVectors& r,
+                           double within, std::vector<NodeContact>& contacts) const {
+  impl_->contacts->find(time, from, r, within, contacts);
 }
+
+void System::settle(double step, const std::vector<ContactImpulse>& impulses, State& state) const {
+  impl_->contacts->settle(step, impulses, state);
+}
+
 std::size_t System::colliders() const { return impl_->parts.bodies.size(); }
 
 void System::prescribe_velocity(double time, NodeVectors& v) const {

@@ -38,13 +38,6 @@ struct Stage {
   NodeVectors earlier{};
 };
 
-/// A node that a collider pushes.
-struct Touch {
-  Index node = 0;
-  Vec3 normal = Vec3::UnitZ();  ///< away from the collider
-  bool sticks = false;          ///< friction lets it slide nowhere
-};
-
 /// How a stage is solved.
 struct StageSettings {
   double tolerance = 1e-6;       ///< of what is left over, relative to the forces at work
@@ -89,9 +82,12 @@ class DEFORM_API ImplicitStage {
   /// Whether a better guess than r + h v is worth while: `newton_error` is set.
   [[nodiscard]] bool counts_corrections() const;
 
-  /// What colliders pushed in the last solution, nodes ascending; a node that two push is there
-  /// twice.
-  [[nodiscard]] std::vector<Touch> touching() const;
+  /// Nodes that colliders pushed in the last solution, ascending; one that two push is there twice.
+  [[nodiscard]] std::vector<Index> touching() const;
+  /// Makes velocities at the end of a step whose stage was solved those that contact leaves: as
+  /// formulas of several points in time have them, what was stopped within the step would go on, or
+  /// back.
+  void settle(const System& system, const Stage& stage, double step, State& end) const;
   /// False where colliders are left to System::collide.
   [[nodiscard]] bool resolves_contacts() const;
 

@@ -80,13 +80,27 @@ struct StepReport {
   double potential_change = 0;
 };
 
-/// A free node near a collider.
+/// A node near a collider that can push it: no constraint holds it along the normal.
 struct NodeContact {
   Index node = 0;
   std::size_t body = 0;         ///< its number among the scene's colliders
   double gap = 0;               ///< distance less the collider's thickness; negative inside [m]
   Vec3 normal = Vec3::UnitZ();  ///< along which the distance grows
   double friction = 0;          ///< Coulomb's coefficient
+  /// n·∂r/∂q (∂r/∂q)ᵀ n with the unknowns q that the node follows: 1 where nothing holds it.
+  double mobility = 1;
+  /// Whether the node has come in on another side than the nearest: the gap is then to the tangent
+  /// plane where it came in, and may be kept as that of a plane.
+  bool crossed = false;
+};
+
+/// Impulse of a collider on a node within a step, per mass [m/s].
+struct ContactImpulse {
+  Index node = 0;
+  std::size_t body = 0;  ///< its number among the scene's colliders
+  Vec3 normal = Vec3::UnitZ();
+  double push = 0;          ///< along the normal
+  Vec3 rub = Vec3::Zero();  ///< of friction
 };
 
 /// What a tangent is evaluated for.
@@ -258,19 +272,25 @@ class DEFORM_API System {
   /// step ends with.
   void constrain(const NodeVectors& before, double step, State& after) const;
 
-  /// Puts nodes that `after` has inside of a collider on its surface, with friction; their velocity
-  /// becomes that of the way from `before` (N × 3), `step` seconds earlier. Nodes with a prescribed
-  /// component stay.
-  void collide(const NodeVectors& before, double step, State& after);
-  /// The free nodes whose gap to a collider is less than `within` [m] at a time, were they at
-  /// `r` (N × 3); nodes ascending, each collider by itself.
-  void find_contacts(double time, const NodeVectors& r, double within,
+  /// Puts nodes that `after` has inside of a collider, or on the other side of one than they were
+  /// at `before` (N × 3), `step` seconds earlier, on its surface, with friction; their velocities
+  /// become those after an inelastic impact. What constraints hold of a node stays. Returns which
+  /// nodes, ascending.
+  std::vector<Index> collide(const NodeVectors& before, double step, State& after);
+  /// The nodes whose gap to a collider is less than `within` [m] at a time, were they at `r`,
+  /// having come from `from` (both N × 3); each collider by itself, nodes ascending.
+  void find_contacts(double time, const NodeVectors& from, const NodeVectors& r, double within,
                      std::vector<NodeContact>& contacts) const;
+  /// Makes velocities at a state, which a step of so many seconds ends with, those that contact
+  /// leaves: a node does not move into a collider, nor away from it by a push alone, and what
+  /// slides is slowed by friction × push. `impulses`: what the velocities know of it.
+  void settle(double step, const std::vector<ContactImpulse>& impulses, State& state) const;
   [[nodiscard]] std::size_t colliders() const;
   /// (M) Distance of points (M × 3) to the nearest collider at a time, negative inside [m];
   /// infinite where there is none.
   [[nodiscard]] NodeValues clearance(double time, const NodeVectors& points) const;
-  /// Throws InputError when a free node begins inside of a collider by more than `slack` [m].
+  /// Throws InputError when a node that a collider can push begins inside of it by more than
+  /// `slack` [m].
   void require_outside_of_colliders(const NodeVectors& r, double slack) const;
 
   /// Energy of one term at a state [J] (coefficients lagged at the same state).
