@@ -27,9 +27,9 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
+    if (with_error() && !error_.is_known()) error_.start(acceleration(system, from, h));
     begin_stage(from, h);
     stage_.tau = h / 2;
-    stage_.time = from.time + h / 2;
     stage_.reach = 2;
     stage_.by_strains = false;
     error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, target_);
@@ -42,18 +42,25 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
     to.time = end;
     stop_what_touches(from, h, to);
     system.prescribe(end, to.r);
-    system.prescribe_velocity(end, to.v);
+    system.prescribe_velocity(end, h, to.v);
     return {"", with_error() ? error_.of(from, to, h, 1.0 / 12) : NodeVectors(),
             newton_.resolves_contacts()};
   }
   [[nodiscard]] int local_order() const override { return 3; }
   void accept(const State& from, const State& to) override { error_.accept(from, to); }
-  void forget() override {
-    ImplicitIntegrator::forget();
-    error_.forget();
-  }
+  void forget_history() override { error_.forget(); }
 
  private:
+  /// At the beginning of a step, contact left out.
+  [[nodiscard]] static NodeVectors acceleration(System& system, State from, double h) {
+    from.time = within_step(from.time, from.time, h);
+    system.evaluate(from);
+    NodeVectors force = system.force(), a;
+    for (int c = 0; c < 3; ++c) force.col(c) -= system.damping().cwiseProduct(from.v.col(c));
+    system.accelerate(force, a);
+    return a;
+  }
+
   /// Contact is inelastic: what came to a collider does not leave it with the velocity it came
   /// with, as 2 v_m − v would have it, nor does what sticks slide back.
   void stop_what_touches(const State& from, double h, State& to) const {

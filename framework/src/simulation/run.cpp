@@ -63,6 +63,8 @@ class Recording {
   /// time.
   template <class Action>
   void apart_from_model(const Action& action);
+  template <class Action>
+  void apart_from_model(const Frame& frame, const Action& action);
   void end_with(ExitCode code, const std::string& reason);
   void end_with(const Error& error);
   void finish();
@@ -182,8 +184,12 @@ void Recording::open_trajectory() {
 void Recording::step_to_end() {
   Simulation& simulation = *parts_.simulation;
   while (settle()) {
-    simulation.step();
-    if (!parts_.probes->none()) {
+    if (parts_.probes->none()) {
+      simulation.step();
+    } else {
+      simulation.step([this](const Frame& at_break) {
+        apart_from_model(at_break, [&] { parts_.probes->follow_break(at_break); });
+      });
       apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
     }
     if (profile_) profile_->end_step();
@@ -230,10 +236,15 @@ void Recording::save_checkpoint() {
 template <class Action>
 void Recording::apart_from_model(const Action& action) {
   const Frame frame = parts_.simulation->frame();
+  apart_from_model(frame, [&] { action(frame); });
+}
+
+template <class Action>
+void Recording::apart_from_model(const Frame& frame, const Action& action) {
   const StepTimes model = frame.system.times();
   const double before = seconds();
   try {
-    action(frame);
+    action();
   } catch (const NotFinite& e) {
     throw e.at_step(frame.step, "recording");
   }
