@@ -8,10 +8,10 @@
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 #include "deform/simulation/scene.h"
 
-#include "remarks.h"
 #include "report_error.h"
 
 namespace deform::app {
@@ -42,16 +42,6 @@ void check_all(const std::vector<Scene>& scenes,
   if (!problems.empty()) throw InputError(problems);
 }
 
-/// Warns of what all variants share once.
-void warn_of_remarks(const std::vector<Scene>& scenes) {
-  std::set<std::string> known;
-  for (const Scene& scene : scenes) {
-    for (const Problem& remark : remarks(scene)) {
-      if (known.insert(told(scene, remark)).second) log::warn(remark.message);
-    }
-  }
-}
-
 }  // namespace
 
 int validate_scenes(const std::vector<std::filesystem::path>& files,
@@ -61,7 +51,10 @@ int validate_scenes(const std::vector<std::filesystem::path>& files,
     try {
       const std::vector<Scene> scenes = read_variants(file, *registry);
       check_all(scenes, registry);
-      warn_of_remarks(scenes);
+      std::set<std::string> said;
+      for (const Scene& scene : scenes) {
+        for (const Problem& remark : new_remarks(scene, said)) log::warn(remark.message);
+      }
       const std::size_t variants = scenes.size() - 1;
       fmt::print("{}: ok ({} variant{})\n", file.string(), variants, variants == 1 ? "" : "s");
     } catch (...) {

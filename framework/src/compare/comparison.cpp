@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 
 #include "compare/comparison_files.h"
 #include "compare/expectation.h"
@@ -130,6 +132,9 @@ Comparison compare(const ComparisonOptions& options,
   if (!options.runner.resume || !fs::exists(folder)) make_run_directory(folder);
   // First: from here on the folder is known as a comparison's.
   write_atomically(folder / "manifest.json", manifest_json(options, plan, "running"));
+  std::set<std::string> said;
+  for (const PlannedRun& run : plan.runs)
+    for (const Problem& remark : new_remarks(run.scene, said)) log::warn(remark.message);
   for (const PlannedRun& run : plan.runs)
     for (const std::string& pointer : run.scene.dropped)
       log::info(fmt::format("{}: {} is dropped: the plugin put in has no such parameter", run.name,

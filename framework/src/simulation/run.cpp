@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 
 #include "profile/profile.h"
 #include "record/trajectory_writer.h"
@@ -141,6 +142,7 @@ RunResult Recording::execute() {
   prepare_folder();
   const RunLog log(folder_ / "log.txt", found_.checkpoint.has_value());
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
+  for (const Problem& remark : remarks(scene_)) log::warn(remark.message);
   if (found_.checkpoint) {
     log::info(fmt::format("resumed after step {}", checkpoint_step_));
     manifest_.resume(checkpoint_step_, found_.manifest);
