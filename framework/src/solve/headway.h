@@ -20,6 +20,7 @@ class Headway {
   /// Since the step began.
   [[nodiscard]] long tries() const { return tries_; }
   [[nodiscard]] double gained() const { return gained_; }
+  [[nodiscard]] bool has_warned() const { return warned_; }
 
  private:
   using Clock = std::chrono::steady_clock;
