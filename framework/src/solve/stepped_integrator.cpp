@@ -106,7 +106,7 @@ double SteppedIntegrator::within_step(double time, double begin, double step) {
   const double end = begin + step;
   const double margin =
       std::max(kRoundingOfTime * step, 4 * std::numeric_limits<double>::epsilon() * std::abs(end));
-  return std::clamp(time, begin + margin, end - margin);
+  return std::min(std::max(time, begin + margin), end - margin);
 }
 
 void SteppedIntegrator::advance_fixed(System& system, State& state, double step) {
