@@ -42,6 +42,16 @@ void check_all(const std::vector<Scene>& scenes,
   if (!problems.empty()) throw InputError(problems);
 }
 
+/// Warns of what all variants share once.
+void warn_of_remarks(const std::vector<Scene>& scenes) {
+  std::set<std::string> known;
+  for (const Scene& scene : scenes) {
+    for (const Problem& remark : remarks(scene)) {
+      if (known.insert(told(scene, remark)).second) log::warn(remark.message);
+    }
+  }
+}
+
 }  // namespace
 
 int validate_scenes(const std::vector<std::filesystem::path>& files,
@@ -51,10 +61,7 @@ int validate_scenes(const std::vector<std::filesystem::path>& files,
     try {
       const std::vector<Scene> scenes = read_variants(file, *registry);
       check_all(scenes, registry);
-      std::set<std::string> said;
-      for (const Scene& scene : scenes) {
-        for (const Problem& remark : new_remarks(scene, said)) log::warn(remark.message);
-      }
+      warn_of_remarks(scenes);
       const std::size_t variants = scenes.size() - 1;
       fmt::print("{}: ok ({} variant{})\n", file.string(), variants, variants == 1 ? "" : "s");
     } catch (...) {

@@ -95,6 +95,16 @@ Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan
   return comparison;
 }
 
+/// What several variants share is said once.
+void warn_of_remarks(const ComparisonPlan& plan) {
+  std::set<std::string> said;
+  for (const PlannedRun& run : plan.runs)
+    for (const Problem& remark : remarks(run.scene)) {
+      const std::string front = run.scene.located({remark.pointer, ""}).message;
+      if (said.insert(remark.message.substr(front.size())).second) log::warn(remark.message);
+    }
+}
+
 }  // namespace
 
 double RunComparison::figure(const std::string& wanted) const {
@@ -132,9 +142,7 @@ Comparison compare(const ComparisonOptions& options,
   if (!options.runner.resume || !fs::exists(folder)) make_run_directory(folder);
   // First: from here on the folder is known as a comparison's.
   write_atomically(folder / "manifest.json", manifest_json(options, plan, "running"));
-  std::set<std::string> said;
-  for (const PlannedRun& run : plan.runs)
-    for (const Problem& remark : new_remarks(run.scene, said)) log::warn(remark.message);
+  warn_of_remarks(plan);
   for (const PlannedRun& run : plan.runs)
     for (const std::string& pointer : run.scene.dropped)
       log::info(fmt::format("{}: {} is dropped: the plugin put in has no such parameter", run.name,
