@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -101,7 +102,9 @@ void warn_of_remarks(const ComparisonPlan& plan) {
   for (const PlannedRun& run : plan.runs)
     for (const Problem& remark : remarks(run.scene)) {
       const std::string front = run.scene.located({remark.pointer, ""}).message;
-      if (said.insert(remark.message.substr(front.size())).second) log::warn(remark.message);
+      const bool has_place = remark.message.starts_with(front);
+      const std::string bare = remark.message.substr(has_place ? front.size() : 0);
+      if (said.insert(bare).second) log::warn(remark.message);
     }
 }
 
