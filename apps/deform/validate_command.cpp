@@ -8,10 +8,10 @@
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 #include "deform/simulation/scene.h"
 
-#include "remarks.h"
 #include "report_error.h"
 
 namespace deform::app {

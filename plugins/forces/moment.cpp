@@ -101,9 +101,7 @@ class Moment final : public ForceField {
     number_pairs();
   }
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   [[nodiscard]] ForceTraits traits() const override {
     return {.potential = true, .neighbours = true, .exact_tangent = true};
   }

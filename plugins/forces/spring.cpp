@@ -35,9 +35,7 @@ class Spring final : public ForceField {
   Spring(const Parameters& p, const Setup& setup)
       : anchor_(p.anchor), length_(p.rest_length), time_(p.time), k_(stiffness_shares(p, setup)) {}
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   /// Only without a rest length is ∂f/∂r a multiple of the identity.
   [[nodiscard]] ForceTraits traits() const override {
     return {.potential = true, .isotropic_tangent = length_ == 0, .exact_tangent = length_ > 0};

@@ -26,9 +26,7 @@ class ViscousFluid final : public ForceField {
         velocity_(p.velocity),
         time_(p.time) {}
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   [[nodiscard]] ForceTraits traits() const override {
     return {.normals = true, .exact_damping = true};
   }

@@ -8,7 +8,8 @@ struct Parameters : ImplicitParameters {
   static void declare(Declaration<Parameters>& d) { ImplicitParameters::declare(d); }
 };
 
-/// r⁺ = r + h v⁺, M (v⁺ − v)/h = f(r⁺, v⁺, t⁺) − Γ v⁺: first order, damps what it does not resolve.
+/// r⁺ = r + h v⁺, M (v⁺ − v)/h = f(r⁺, v⁺, t + h/2) − Γ v⁺: first order, damps what it does not
+/// resolve.
 class BackwardEuler final : public ImplicitIntegrator {
  public:
   BackwardEuler(const Parameters& p, const Setup& /*setup*/) : ImplicitIntegrator(p) {}
@@ -41,10 +42,7 @@ class BackwardEuler final : public ImplicitIntegrator {
   void accept(const State& from, const State& to) override {
     if (newton_.counts_corrections()) last_.accept(from, to);
   }
-  void forget() override {
-    ImplicitIntegrator::forget();
-    last_.forget();
-  }
+  void forget_history() override { last_.forget(); }
 
  private:
   SecondOrderError last_;  // for guesses, where a step is worth one

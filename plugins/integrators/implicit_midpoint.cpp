@@ -27,9 +27,9 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
+    if (with_error() && !error_.is_known()) error_.start(acceleration(system, from, h));
     begin_stage(from, h);
     stage_.tau = h / 2;
-    stage_.time = from.time + h / 2;
     stage_.reach = 2;
     stage_.by_strains = false;
     stage_.averages_strains = true;
@@ -43,18 +43,25 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
     to.time = end;
     newton_.settle(system, stage_, h, to);
     system.prescribe(end, to.r);
-    system.prescribe_velocity(end, to.v);
+    system.prescribe_velocity(end, h, to.v);
     return {"", with_error() ? error_.of(from, to, h, 1.0 / 12) : NodeVectors(),
             newton_.resolves_contacts()};
   }
   [[nodiscard]] int local_order() const override { return 3; }
   void accept(const State& from, const State& to) override { error_.accept(from, to); }
-  void forget() override {
-    ImplicitIntegrator::forget();
-    error_.forget();
-  }
+  void forget_history() override { error_.forget(); }
 
  private:
+  /// At the beginning of a step, contact left out.
+  [[nodiscard]] static NodeVectors acceleration(System& system, State from, double h) {
+    from.time = within_step(from.time, from.time, h);
+    system.evaluate(from);
+    NodeVectors force = system.force(), a;
+    for (int c = 0; c < 3; ++c) force.col(c) -= system.damping().cwiseProduct(from.v.col(c));
+    system.accelerate(force, a);
+    return a;
+  }
+
   SecondOrderError error_;
   NodeVectors target_;  // guess of the step's end
 };

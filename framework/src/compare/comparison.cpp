@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,6 +12,7 @@
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 
 #include "compare/comparison_files.h"
 #include "compare/expectation.h"
@@ -93,6 +96,18 @@ Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan
   return comparison;
 }
 
+/// What several variants share is said once.
+void warn_of_remarks(const ComparisonPlan& plan) {
+  std::set<std::string> said;
+  for (const PlannedRun& run : plan.runs)
+    for (const Problem& remark : remarks(run.scene)) {
+      const std::string front = run.scene.located({remark.pointer, ""}).message;
+      const bool has_place = remark.message.starts_with(front);
+      const std::string bare = remark.message.substr(has_place ? front.size() : 0);
+      if (said.insert(bare).second) log::warn(remark.message);
+    }
+}
+
 }  // namespace
 
 double RunComparison::figure(const std::string& wanted) const {
@@ -130,6 +145,7 @@ Comparison compare(const ComparisonOptions& options,
   if (!options.runner.resume || !fs::exists(folder)) make_run_directory(folder);
   // First: from here on the folder is known as a comparison's.
   write_atomically(folder / "manifest.json", manifest_json(options, plan, "running"));
+  warn_of_remarks(plan);
   for (const PlannedRun& run : plan.runs)
     for (const std::string& pointer : run.scene.dropped)
       log::info(fmt::format("{}: {} is dropped: the plugin put in has no such parameter", run.name,

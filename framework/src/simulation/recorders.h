@@ -34,6 +34,8 @@ class ProbeRecorder {
   [[nodiscard]] std::size_t sync();
   /// To be called after every step.
   void follow(const Frame& frame);
+  /// To be called within a step where it is not smooth.
+  void follow_break(const Frame& frame);
   [[nodiscard]] bool due(long step) const;
   /// Writes a row with the figures that are due at this step, or all; no row when none is due, or
   /// when the step has one already.

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 
 #include "profile/profile.h"
 #include "record/trajectory_writer.h"
@@ -63,6 +64,8 @@ class Recording {
   /// time.
   template <class Action>
   void apart_from_model(const Action& action);
+  template <class Action>
+  void apart_from_model(const Frame& frame, const Action& action);
   void end_with(ExitCode code, const std::string& reason);
   void end_with(const Error& error);
   void finish();
@@ -139,6 +142,7 @@ RunResult Recording::execute() {
   prepare_folder();
   const RunLog log(folder_ / "log.txt", found_.checkpoint.has_value());
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
+  for (const Problem& remark : remarks(scene_)) log::warn(remark.message);
   if (found_.checkpoint) {
     log::info(fmt::format("resumed after step {}", checkpoint_step_));
     manifest_.resume(checkpoint_step_, found_.manifest);
@@ -182,8 +186,12 @@ void Recording::open_trajectory() {
 void Recording::step_to_end() {
   Simulation& simulation = *parts_.simulation;
   while (settle()) {
-    simulation.step();
-    if (!parts_.probes->none()) {
+    if (parts_.probes->none()) {
+      simulation.step();
+    } else {
+      simulation.step([this](const Frame& at_break) {
+        apart_from_model(at_break, [&] { parts_.probes->follow_break(at_break); });
+      });
       apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
     }
     if (profile_) profile_->end_step();
@@ -230,10 +238,15 @@ void Recording::save_checkpoint() {
 template <class Action>
 void Recording::apart_from_model(const Action& action) {
   const Frame frame = parts_.simulation->frame();
+  apart_from_model(frame, [&] { action(frame); });
+}
+
+template <class Action>
+void Recording::apart_from_model(const Frame& frame, const Action& action) {
   const StepTimes model = frame.system.times();
   const double before = seconds();
   try {
-    action(frame);
+    action();
   } catch (const NotFinite& e) {
     throw e.at_step(frame.step, "recording");
   }

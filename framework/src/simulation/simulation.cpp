@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -50,6 +51,12 @@ class MirrorImage final : public CompanionRun {
 /// A double counts no further.
 constexpr double kMostSteps = 9007199254740992;  // 2^53
 
+/// Times of one step that are nearer to each other count as one: parts of a step that are much
+/// shorter than it have velocities of few digits, and times late in a run few digits themselves.
+double rounding_of_time(double end, double step) {
+  return std::max(1e-9 * step, 16 * std::numeric_limits<double>::epsilon() * std::abs(end));
+}
+
 /// Reflection at z = 0.
 NodeVectors reflected(NodeVectors v) {
   v.col(2) = -v.col(2);
@@ -83,8 +90,12 @@ struct Simulation::Impl {
   void choose_solver();
   void measure_rest();
   void set_initial_state();
-  void advance();
-  void collide();
+  void advance_by_parts(const AtBreak& at_break);
+  void advance_smoothly(double step);
+  void advance(double step);
+  void collide(const NodeVectors& begin, double step);
+  void report_parts(long parts, double shortest, double longest);
+  [[nodiscard]] Frame frame(double step);
   void check_state();
   [[noreturn]] void throw_not_finite();
   [[noreturn]] void throw_out_of_bounds(Index node);
@@ -240,11 +251,47 @@ void Simulation::Impl::set_initial_state() {
   system->begin_step(state);
 }
 
-void Simulation::Impl::advance() {
+/// From one time at which the model is not smooth to the next.
+void Simulation::Impl::advance_by_parts(const AtBreak& at_break) {
+  const double end = state.time + scene.step, rounding = rounding_of_time(end, scene.step);
+  const bool is_static = integrator.object->is_static();
+  double longest = 0, shortest = scene.step;
+  for (long parts = 1;; ++parts) {
+    const double begin = state.time,
+                 next = is_static ? kInfinity : system->next_break(begin + rounding);
+    const bool is_last = next >= end - rounding;
+    const double part = is_last ? (parts == 1 ? scene.step : end - begin) : next - begin;
+    advance_smoothly(part);
+    if (next <= end + rounding)
+      guarded(integrator.origin, "starting anew", [this] { integrator.object->restart(); });
+    longest = std::max(longest, part), shortest = std::min(shortest, part);
+    if (is_last) return report_parts(parts, shortest, longest);
+    state.time = next;
+    if (at_break) at_break(frame(part));
+  }
+}
+
+/// Unless the integrator has said what parts it took.
+void Simulation::Impl::report_parts(long parts, double shortest, double longest) {
+  StepReport& report = system->step_report();
+  if (parts == 1 || report.largest > 0) return;
+  report.substeps = parts;
+  report.smallest = shortest, report.largest = longest;
+}
+
+void Simulation::Impl::advance_smoothly(double step) {
+  const bool collides = system->colliders() > 0 && !integrator.object->resolves_contacts();
+  const NodeVectors begin = collides ? state.r : NodeVectors();
+  advance(step);
+  check_state();
+  if (collides) collide(begin, step);
+}
+
+void Simulation::Impl::advance(double step) {
   const Span span(integrator.name);
   try {
     guarded(integrator.origin, "taking a step",
-            [this] { integrator.object->advance(*system, state, scene.step); });
+            [&] { integrator.object->advance(*system, state, step); });
   } catch (const Diverged&) {
     throw;
   } catch (const NotFinite& e) {
@@ -258,10 +305,10 @@ void Simulation::Impl::advance() {
   }
 }
 
-void Simulation::Impl::collide() {
+void Simulation::Impl::collide(const NodeVectors& begin, double step) {
   const Span span("collision");
   try {
-    system->collide(before.r, scene.step, state);
+    system->collide(begin, step, state);
   } catch (const NotFinite& e) {
     throw e.at_step(steps + 1, "colliders");
   }
@@ -323,16 +370,14 @@ Simulation::Simulation(Scene scene, std::shared_ptr<const PluginRegistry> regist
 
 Simulation::~Simulation() = default;
 
-void Simulation::step() {
+void Simulation::step(const AtBreak& at_break) {
   const Span span("step");
   Impl& s = *impl_;
   std::swap(s.earlier, s.before);
   s.before = s.state;
   s.system->begin_step(s.state);
   try {
-    s.advance();
-    s.check_state();
-    if (!s.integrator.object->resolves_contacts()) s.collide();
+    s.advance_by_parts(at_break);
   } catch (...) {
     s.restore();
     throw;
@@ -348,10 +393,12 @@ long Simulation::steps() const { return impl_->steps; }
 double Simulation::size() const { return impl_->size; }
 std::shared_ptr<const PluginRegistry> Simulation::registry() const { return impl_->registry; }
 
-Frame Simulation::frame() {
-  impl_->system->update_geometry(impl_->state);
-  return {impl_->steps, impl_->scene.step, impl_->state, *impl_->system};
+Frame Simulation::Impl::frame(double step) {
+  system->update_geometry(state);
+  return {steps, step, state, *system};
 }
+
+Frame Simulation::frame() { return impl_->frame(impl_->scene.step); }
 
 std::unique_ptr<CompanionRun> Simulation::mirrored() const {
   return std::make_unique<MirrorImage>(

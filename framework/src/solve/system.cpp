@@ -299,36 +299,6 @@ void System::settle(double step, const std::vector<ContactImpulse>& impulses, St
 
 std::size_t System::colliders() const { return impl_->parts.bodies.size(); }
 
-void System::prescribe_velocity(double time, NodeVectors& v) const {
-  // Constraints give positions alone; a step back this short loses about half of the digits.
-  const double step = 1e-8 * std::max(1.0, std::abs(time));
-  NodeVectors now = NodeVectors::Zero(nodes(), 3), earlier = now;
-  prescribe(time, now);
-  prescribe(time - step, earlier);
-  for (int c = 0; c < 3; ++c)
-    for (Index a = 0; a < v.rows(); ++a)
-      if (reduction().prescribed(a, c)) v(a, c) = (now(a, c) - earlier(a, c)) / step;
-  follow_ties_of_velocity(v);
-}
-
-double System::longest_step(double time) const {
-  double longest = kInfinity;
-  const auto ask = [&](const std::string& origin, const Plugin& part) {
-    const double step =
-        guarded(origin, "saying what step it stands", [&] { return part.longest_step(time); });
-    if (!(step > 0))
-      throw PluginFailure("plugin " + origin + " stands steps of " + std::to_string(step) +
-                          " s, expected more than 0");
-    longest = std::min(longest, step);
-  };
-  const ModelParts& parts = impl_->parts;
-  for (const auto& e : parts.energies) ask(e.origin, *e.object);
-  for (const auto& f : parts.forces) ask(f.origin, *f.object);
-  for (const auto& c : parts.constraints) ask(c.origin, *c.object);
-  for (const auto& b : parts.bodies) ask(b.collider.origin, *b.collider.object);
-  return longest;
-}
-
 NodeValues System::clearance(double time, const NodeVectors& points) const {
   return impl_->contacts->clearance(time, points);
 }

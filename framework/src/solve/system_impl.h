@@ -40,6 +40,8 @@ struct SetPart {
 struct System::Impl {
   explicit Impl(ModelParts p);
 
+  template <class Ask>
+  void ask_parts(const Ask& ask) const;
   void read_traits();
   [[nodiscard]] SampleRole role_of(std::size_t term, const JetTerm& jet) const;
   void make_sets();

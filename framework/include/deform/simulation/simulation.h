@@ -1,6 +1,7 @@
 /// A simulation: a scene's model, its integrator and its state.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -20,9 +21,14 @@ class DEFORM_API Simulation {
   Simulation(Scene scene, std::shared_ptr<const PluginRegistry> registry, bool mirrored = false);
   ~Simulation();
 
-  /// One step of the scene's integrator. Throws Diverged when the state is not finite or a node is
-  /// beyond all bounds, PluginFailure when a plugin throws; the state is then that before the step.
-  void step();
+  /// What is told of a state within a step: see `step`.
+  using AtBreak = std::function<void(const Frame&)>;
+  /// One step of the scene, in parts that end where the model is not smooth in time
+  /// (Plugin::next_break); `at_break` sees the state there, with Frame::step_size the length of the
+  /// part that ends. Statics, which look for the equilibrium at the step's end, take it as a whole.
+  /// Throws Diverged when the state is not finite or a node is beyond all bounds, PluginFailure
+  /// when a plugin throws; the state is then that before the step.
+  void step(const AtBreak& at_break = {});
 
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] System& system();

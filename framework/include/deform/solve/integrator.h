@@ -14,6 +14,11 @@ class DEFORM_API Integrator : public Plugin {
   /// Advances r, v and time by exactly `step` seconds, in as many substeps as it likes; prescribed
   /// components end where the constraints say.
   virtual void advance(System& system, State& state, double step) = 0;
+  /// Called between two calls of `advance` where loads or supports are not smooth in time
+  /// (Plugin::next_break; the framework divides the scene's step there): accelerations, and
+  /// velocities of what is moved, may jump. What a method remembers of earlier steps, to go on from
+  /// it, is not of the motion that follows. Methods that take each step by itself need nothing.
+  virtual void restart() {}
   /// Whether it looks for equilibria, so that inertia has no say: nothing falls or swings.
   [[nodiscard]] virtual bool is_static() const { return false; }
   /// Whether its steps end outside of colliders, friction included; else the framework calls

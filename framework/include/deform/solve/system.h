@@ -256,11 +256,16 @@ class DEFORM_API System {
   /// Solves TᵀMT a = Tᵀf for accelerations T a of what is free; those of prescribed components are
   /// 0 (both N × 3).
   void accelerate(const NodeVectors& f, NodeVectors& acceleration);
-  /// Writes the velocities of prescribed components [m/s], that with which they come to a time, and
-  /// of those tied to others.
-  void prescribe_velocity(double time, NodeVectors& v) const;
+  /// Writes the velocities of prescribed components [m/s] at a time, and of those tied to others,
+  /// by differences of positions within `reach` [s] of it: before it where that is positive, after
+  /// it where negative. The two differ where a path has a corner; a step's length with its sign
+  /// looks at that step alone, and is right in any unit of time.
+  void prescribe_velocity(double time, double reach, NodeVectors& v) const;
   /// The longest step from a time on that every part of the model stands [s].
   [[nodiscard]] double longest_step(double time) const;
+  /// The first time later than `after` at which some part of the model is not smooth in time [s];
+  /// infinite where there is none. Throws PluginFailure where one names an earlier time.
+  [[nodiscard]] double next_break(double after) const;
   /// Tᵀf in place (N × 3): what acts on free components, that on tied ones included.
   void reduce_force(NodeVectors& f) const;
   /// Writes the prescribed components [m] at a time, and those that are tied to others; leaves

@@ -1,10 +1,10 @@
-#include "remarks.h"
+#include "deform/simulation/remarks.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-namespace deform::app {
+namespace deform {
 namespace {
 
 /// Of a step: far more than rounding makes of the quotient, far less than anybody means.
@@ -24,4 +24,4 @@ std::vector<Problem> remarks(const Scene& scene) {
   return found;
 }
 
-}  // namespace deform::app
+}  // namespace deform
