@@ -58,16 +58,18 @@ NodeValues densities(const Scene& scene, Index nodes,
 }
 
 void check_areas(const Scene& scene, const NodeValues& areas, PartMaker& maker) {
-  Index node = 0;
-  if (areas.minCoeff(&node) > 0) return;
-  const std::string pointer = scene.surface.parameters && scene.surface.parameters->has("rest")
-                                  ? "/surface/rest"
-                                  : "/surface";
-  maker.add(
-      {{pointer, fmt::format("at {}: the rest surface has no area around node {}, which would "
-                             "have no mass: another shape, or the material's \"mass\": "
-                             "\"parameters\"",
-                             pointer, node)}});
+  const Index infinite = first_not_finite(areas);
+  Index smallest = 0;
+  if (infinite < 0 && areas.minCoeff(&smallest) > 0) return;
+  const std::string why =
+      infinite >= 0
+          ? fmt::format("has an area around node {} that no number holds: a smaller one", infinite)
+          : fmt::format("has no area around node {}, which would have no mass: another shape, or "
+                        "the material's \"mass\": \"parameters\"",
+                        smallest);
+  const bool has_shape = scene.surface.parameters && scene.surface.parameters->has("rest");
+  const std::string pointer = has_shape ? "/surface/rest" : "/surface";
+  maker.add({{pointer, fmt::format("at {}: the rest surface {}", pointer, why)}});
 }
 
 }  // namespace deform

@@ -66,6 +66,14 @@ NodeVectors unflattened(const Memory& memory, const std::string& name, Index nod
   return v;
 }
 
+/// Velocities whose energy overflows are no state to begin with.
+void require_finite_energy(const NodeVectors& v, const NodeValues& mass) {
+  if (std::isfinite(v.rowwise().squaredNorm().dot(mass))) return;
+  throw InputError({{"/velocity", fmt::format("at /velocity: velocities of up to {:.3g} m/s, whose "
+                                              "kinetic energy no number holds",
+                                              v.cwiseAbs().maxCoeff())}});
+}
+
 }  // namespace
 
 struct Simulation::Impl {
@@ -243,6 +251,7 @@ void Simulation::Impl::set_initial_state() {
     }
   }
   system->follow_ties_of_velocity(state.v);
+  require_finite_energy(state.v, system->mass());
   before = earlier = state;
   system->begin_step(state);
 }

@@ -26,7 +26,9 @@ class SurfaceCheck {
     check_arrays();
     check_faces();
     // Its default looks at the arrays and the faces, which must be sound.
-    if (contradictions_.empty()) check_array("rest_areas()", surface_.rest_areas());
+    if (contradictions_.empty() && surface_.rest_areas().size() != nodes_)
+      note("rest_areas() has {} rows, expected {}, the number of nodes",
+           surface_.rest_areas().size(), nodes_);
     for (const SampleRole role : {SampleRole::membrane, SampleRole::bending}) check_samples(role);
     const std::vector<Prolongation> linear = surface_.coarsening(),
                                     smooth = surface_.smooth_coarsening();
@@ -144,8 +146,8 @@ class SurfaceCheck {
       if (!(at.length > 0 && at.length < kInfinity))
         return note("{} has a length of {} at node {}, expected a finite one above 0", place,
                     at.length, at.node);
-      if (!(at.rest_length >= 0 && at.rest_length < kInfinity))
-        return note("{} has a rest length of {} at node {}, expected a finite one", place,
+      if (at.rest_length < 0)
+        return note("{} has a rest length of {} at node {}, expected 0 at least", place,
                     at.rest_length, at.node);
       for (const auto* row : {&at.inwards, &at.along})
         for (const EdgeNode::Entry& entry : *row) {
