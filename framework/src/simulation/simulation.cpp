@@ -21,6 +21,7 @@
 #include "simulation/memory_sections.h"
 #include "simulation/part_maker.h"
 #include "simulation/report_memory.h"
+#include "simulation/selection_remarks.h"
 #include "simulation/solver_uses.h"
 #include "solve/not_finite.h"
 
@@ -156,6 +157,7 @@ void Simulation::Impl::make_system() {
   auto made_integrator = maker.make<Integrator>(scene.integrator, setup);
   parts.make_solvers = solver_factory(maker, surface->object);
   maker.throw_problems();
+  if (!mirrored) warn_of_selections(scene, *surface->object);
 
   integrator = *made_integrator;
   keep<Surface>(PluginKind::surface, {*surface});
