@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include <deform/geometry/rounding.h>
 #include <deform/log.h>
 #include <deform/solve/integrator.h>
 
@@ -36,7 +37,7 @@ constexpr int kMostCuts = 24;
 /// Whole Newton steps before a line search is tried.
 constexpr int kMostLongSteps = 25;
 /// Forces that cancel to this part of what they are made of count as balanced where no step helps;
-/// a Newton step below this part of the size moves nothing.
+/// a Newton step below this part of the size, or the rounding of positions, moves nothing.
 constexpr double kRoundingOfForces = 1e-6, kRoundingOfPositions = 1e-13;
 /// Forces that differ by less than this factor are of one kind.
 constexpr double kOfTheSameKind = 100;
@@ -122,6 +123,8 @@ class Static final : public Integrator {
     first_force_ = system.force();
     start_residual_ = 0;
     size_ = (start_.colwise().maxCoeff() - start_.colwise().minCoeff()).maxCoeff();
+    still_ = kRoundingOfPositions * size_ +
+             std::max(rounding_of_positions(start_), rounding_of_positions(target_));
   }
 
   void say_once_what_has_no_potential(const System& system) {
@@ -205,7 +208,7 @@ class Static final : public Integrator {
       const double norm = residual_norm(system, lambda);
       if (i == 0) start_residual_ = norm;
       const double relative = report(system, norm, i);
-      const bool is_still = moved <= kRoundingOfPositions * size_;
+      const bool is_still = moved <= still_;
       if (relative <= parameters_.tolerance || (is_still && relative <= kRoundingOfForces))
         return accept(system);
       if (i == most || !std::isfinite(norm))
@@ -216,8 +219,7 @@ class Static final : public Integrator {
       std::string reason = newton_direction(system, state);
       const double longest = reason.empty() ? direction_.rowwise().norm().maxCoeff() : 0;
       // What is left over is the forces' rounding: the residual is relative to next to nothing.
-      if (reason.empty() && longest <= kRoundingOfPositions * size_)
-        return accept(system, kOfTheSameKind * norm);
+      if (reason.empty() && longest <= still_) return accept(system, kOfTheSameKind * norm);
       if (steps == Steps::newton) {
         if (reason.empty() && !(longest <= 2 * size_)) reason = "it leads out of all bounds";
         if (!reason.empty()) return {false, "no Newton step (" + reason + ")"};
@@ -369,6 +371,7 @@ class Static final : public Integrator {
   Parameters parameters_;
   bool has_potential_ = true, said_ = false;
   double end_ = 0, size_ = 0, scale_ = 0, start_residual_ = 0;
+  double still_ = 0;  // Newton steps that are not longer move nothing [m]
   std::vector<Freedom> held_;
   NodeValues zero_;
   NodeVectors start_, target_, first_force_, residual_, direction_;

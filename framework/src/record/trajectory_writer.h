@@ -26,7 +26,8 @@ class TrajectoryWriter {
   [[nodiscard]] std::size_t sync();
 
  private:
-  [[nodiscard]] std::string header(const Surface& surface, double size) const;
+  [[nodiscard]] std::string header(const Surface& surface, const NodeValues& areas,
+                                   double size) const;
 
   NodeFields fields_;
   AppendFile file_;

@@ -79,6 +79,7 @@ void ValueReader::missing_member(Json& object, const ParameterField& field,
     return;
   }
   values.set(field.name, field.default_value);
+  if (field.optional) return;
   Json json = to_json(field.default_value);
   if (json.is_null()) return;
   const ValuePlace place{field, child_pointer(pointer, field.name)};

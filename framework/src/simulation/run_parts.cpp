@@ -25,7 +25,8 @@ RunParts make_run_parts(const Scene& scene, const std::shared_ptr<const PluginRe
     maker.add(e.problems());
   }
   if (surface != nullptr) {
-    const Setup setup = maker.setup(*surface, surface->rest());
+    const NodeValues areas = areas_of_mass(*surface, scene.material);
+    const Setup setup = maker.setup(*surface, surface->rest(), areas);
     parts.probes.emplace(scene.probes, maker, setup);
     add_shadows(scene, *registry, maker, setup, *parts.probes);
     parts.outputs.emplace(scene.outputs, maker, setup);
@@ -59,7 +60,8 @@ std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginReg
   if (scene.surface.parameters == nullptr) return {};
   PartMaker maker(scene, {std::shared_ptr<const PluginRegistry>(), &registry});
   if (const auto surface = maker.make<Surface>(scene.surface, maker.setup())) {
-    const Setup setup = maker.setup(*surface->object, surface->object->rest());
+    const NodeValues areas = areas_of_mass(*surface->object, scene.material);
+    const Setup setup = maker.setup(*surface->object, surface->object->rest(), areas);
     (void)maker.make_all<EnergyTerm>(scene.energies, setup);
     (void)maker.make_all<ForceField>(scene.forces, setup);
     (void)maker.make_all<Constraint>(scene.constraints, setup);

@@ -18,9 +18,11 @@
 #include "profile/profile.h"
 #include "simulation/compound_terms.h"
 #include "simulation/initial_velocity.h"
+#include "simulation/masses.h"
 #include "simulation/memory_sections.h"
 #include "simulation/part_maker.h"
 #include "simulation/report_memory.h"
+#include "simulation/selection_remarks.h"
 #include "simulation/solver_uses.h"
 #include "solve/not_finite.h"
 
@@ -72,6 +74,14 @@ NodeVectors unflattened(const Memory& memory, const std::string& name, Index nod
   return v;
 }
 
+/// Velocities whose energy overflows are no state to begin with.
+void require_finite_energy(const NodeVectors& v, const NodeValues& mass) {
+  if (std::isfinite(v.rowwise().squaredNorm().dot(mass))) return;
+  throw InputError({{"/velocity", fmt::format("at /velocity: velocities of up to {:.3g} m/s, whose "
+                                              "kinetic energy no number holds",
+                                              v.cwiseAbs().maxCoeff())}});
+}
+
 }  // namespace
 
 struct Simulation::Impl {
@@ -115,7 +125,9 @@ struct Simulation::Impl {
 
   std::vector<Keeper> keepers;
   Named<Integrator> integrator;
-  NodeVectors rest;  // of this world; outlives the objects that saw it in their Setup
+  // Of this world; outlive the objects that saw them in their Setup.
+  NodeVectors rest;
+  NodeValues areas;
   std::unique_ptr<System> system;
 
   Vec3 centroid = Vec3::Zero();  // of the rest state
@@ -133,18 +145,22 @@ void Simulation::Impl::make_system() {
   maker.throw_problems();  // nothing else can be made without a surface
 
   rest = mirrored ? reflected(surface->object->rest()) : surface->object->rest();
-  const Setup setup = maker.setup(*surface->object, rest);
+  areas = areas_of_mass(*surface->object, scene.material);
+  check_areas(scene, areas, maker);
+  const Setup setup = maker.setup(*surface->object, rest, areas);
   // The System reflects forces and constraints as a whole: these see the world as the scene
   // describes it.
-  const Setup unmirrored = maker.setup(*surface->object, surface->object->rest());
+  const Setup unmirrored = maker.setup(*surface->object, surface->object->rest(), areas);
 
   ModelParts parts;
   parts.surface = surface->object;
   parts.rest = rest;
-  parts.mass = scene.material.density * surface->object->areas();
-  parts.damping = (scene.material.damping + scene.material.rayleigh_mass * scene.material.density) *
-                  surface->object->areas();
+  parts.areas = areas;
   make_energies(maker, setup, parts);
+  const NodeValues density = densities(scene, areas.size(), parts.energies, maker, !mirrored);
+  parts.mass = density.cwiseProduct(areas);
+  parts.damping =
+      (scene.material.damping + scene.material.rayleigh_mass * density.array()) * areas.array();
   parts.forces = maker.make_all<ForceField>(scene.forces, unmirrored);
   parts.constraints = maker.make_all<Constraint>(scene.constraints, unmirrored);
   parts.mirrored = mirrored;
@@ -152,6 +168,7 @@ void Simulation::Impl::make_system() {
   auto made_integrator = maker.make<Integrator>(scene.integrator, setup);
   parts.make_solvers = solver_factory(maker, surface->object);
   maker.throw_problems();
+  if (!mirrored) warn_of_selections(scene, *surface->object);
 
   integrator = *made_integrator;
   keep<Surface>(PluginKind::surface, {*surface});
@@ -214,7 +231,7 @@ std::function<std::vector<Named<LinearSolver>>()> Simulation::Impl::solver_facto
     for (const std::string& reason : solvers.left_out) log::warn(reason);
   }
   const auto make = [this, surface, uses = std::move(solvers.uses)](PartMaker& by) {
-    return by.make_all<LinearSolver>(uses, by.setup(*surface, rest));
+    return by.make_all<LinearSolver>(uses, by.setup(*surface, rest, areas));
   };
   (void)make(maker);  // problems must show now, not when the System first needs a solver
   return [this, make] {
@@ -247,6 +264,7 @@ void Simulation::Impl::set_initial_state() {
     }
   }
   system->follow_ties_of_velocity(state.v);
+  require_finite_energy(state.v, system->mass());
   before = earlier = state;
   system->begin_step(state);
 }

@@ -223,7 +223,14 @@ void Contacts::require_outside(const NodeVectors& r, double slack) const {
   NodeVectors normal;
   std::vector<Problem> problems;
   for (const Body& body : bodies_) {
-    measure(body, 0, r, distance, normal);
+    try {
+      measure(body, 0, r, distance, normal);
+    } catch (const NotFinite& e) {
+      problems.push_back({body.pointer, fmt::format("at {}: {} at first: no number holds squares "
+                                                    "of such sizes",
+                                                    body.pointer, e.what())});
+      continue;
+    }
     Index worst = -1;
     for (Index a = 0; a < r.rows(); ++a)
       if ((worst < 0 || distance[a] < distance[worst]) &&

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "deform/geometry/rounding.h"
+
 #include "profile/profile.h"
 #include "solve/implicit_equation.h"
 #include "solve/not_finite.h"
@@ -33,8 +35,8 @@ constexpr double kStraight = 1e-3, kLargestTurn = 1, kSmallestTurn = 0.03;
 constexpr int kMostDoublings = 6;
 /// What a sum of energies may be wrong by, relative.
 constexpr double kRoundingOfEnergy = 1e-13;
-/// A Newton step below this part of the size moves nothing: what is left over is the rounding of
-/// forces, of which some are far larger than all that is at work.
+/// A Newton step below this part of the size and the rounding of positions moves nothing: what is
+/// left over is the rounding of forces, of which some are far larger than all that is at work.
 constexpr double kRoundingOfPositions = 1e-13;
 /// Forces that cancel to this part of what they are made of count as balanced where no step helps.
 constexpr double kRoundingOfForces = 1e-6;
@@ -139,6 +141,10 @@ struct ImplicitStage::Impl {
   [[nodiscard]] std::string search(System& system, State& state, double norm);
   [[nodiscard]] bool search_along(System& system, State& state, double norm);
   void go(System& system, const NodeVectors& from, double s, NodeVectors& r) const;
+  /// Newton steps that are not longer move nothing [m].
+  [[nodiscard]] double still(const State& state) const {
+    return kRoundingOfPositions * equation.size() + rounding_of_positions(state.r);
+  }
 
   StageSettings settings;
   ImplicitEquation equation;
@@ -422,7 +428,7 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
       go_back(state);
     }
     const double norm = evaluate(system, state);
-    if (is_converged(state, norm) || longest <= kRoundingOfPositions * equation.size()) return "";
+    if (is_converged(state, norm) || longest <= still(state)) return "";
     const double relative = system.step_report().residual;
     const bool goes_round = equation.averages_strains() && !equation.has_contacts() &&
                             i >= kMostRoundabout && relative > kClose;
@@ -438,7 +444,7 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
       continue;
     }
     longest = direction.rowwise().norm().maxCoeff();
-    if (longest <= kRoundingOfPositions * equation.size()) return "";
+    if (longest <= still(state)) return "";
     angle = equation.has_potential() ? system.aim(state.r, direction) : 0;
     const double correction = system.root_mean_square(direction);
     const double theta = correction / std::exchange(last, correction);

@@ -130,6 +130,7 @@ System::~System() = default;
 Index System::nodes() const { return impl_->parts.surface->nodes(); }
 const Surface& System::surface() const { return *impl_->parts.surface; }
 const NodeVectors& System::rest() const { return impl_->parts.rest; }
+const NodeValues& System::areas() const { return impl_->parts.areas; }
 const NodeValues& System::mass() const { return impl_->parts.mass; }
 const NodeValues& System::damping() const { return impl_->parts.damping; }
 const Reduction& System::reduction() const { return impl_->map->reduction(); }

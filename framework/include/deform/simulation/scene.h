@@ -63,6 +63,7 @@ struct DEFORM_API Scene {
   std::string title;
   PluginUse surface;
   Material material;
+  bool density_is_given = false;  ///< else a sheet that an energy's material names may have one
   std::vector<PluginUse> energies, forces, constraints;
   std::vector<ColliderUse> colliders;
   PluginUse integrator;

@@ -49,6 +49,7 @@ struct Body {
 struct ModelParts {
   std::shared_ptr<const Surface> surface;
   NodeVectors rest;    ///< (N × 3) [m]
+  NodeValues areas;    ///< (N) A, that mass and loads per area go by: Setup::areas() [m²]
   NodeValues mass;     ///< (N) mu A [kg]
   NodeValues damping;  ///< (N) gamma A [N·s/m]
   std::vector<Named<EnergyTerm>> energies;
@@ -129,6 +130,7 @@ class DEFORM_API System {
   [[nodiscard]] Index nodes() const;
   [[nodiscard]] const Surface& surface() const;
   [[nodiscard]] const NodeVectors& rest() const;
+  [[nodiscard]] const NodeValues& areas() const;
   [[nodiscard]] const NodeValues& mass() const;
   [[nodiscard]] const NodeValues& damping() const;
   [[nodiscard]] const Reduction& reduction() const;
