@@ -25,6 +25,8 @@ const std::atomic<bool>& watch_interrupts() {
   sigaction(SIGHUP, &action, nullptr);  // the terminal was closed
   // A file that may not grow any more is one that cannot be written, and says so.
   std::signal(SIGXFSZ, SIG_IGN);
+  // Whoever read what is said may be gone: no reason to end a run.
+  std::signal(SIGPIPE, SIG_IGN);
   return interrupted;
 }
 

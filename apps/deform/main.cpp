@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include <tbb/global_control.h>
 
 #include "deform/error.h"
+#include "deform/plugin/process_end.h"
 #include "deform/plugin/registry.h"
 #include "deform/version.h"
 
@@ -23,6 +25,7 @@
 #include "report_error.h"
 #include "run_command.h"
 #include "schema_command.h"
+#include "terminal.h"
 #include "validate_command.h"
 
 namespace deform::app {
@@ -267,7 +270,12 @@ int execute(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     // Help and version are "errors" with code 0; all others are bad input, whatever CLI11's own
     // code.
-    return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+    std::ostringstream help, trouble;
+    const bool is_asked_for = app.exit(e, help, trouble) == 0;
+    put_lines(help.str());
+    std::istringstream lines(trouble.str());
+    for (std::string line; std::getline(lines, line);) put_message(printable(line) + '\n');
+    return is_asked_for ? 0 : static_cast<int>(ExitCode::bad_input);
   }
 
   std::optional<tbb::global_control> threads;
@@ -293,12 +301,18 @@ int execute(int argc, char** argv) {
 }  // namespace deform::app
 
 int main(int argc, char** argv) {
+  deform::app::occupy_standard_streams();
+  deform::watch_process_end();
   // Before any plugin brings OpenBLAS with it: its threads get in the way of ours, and let results
   // depend on their number.
   ::setenv("OPENBLAS_NUM_THREADS", "1", 0);
+  int code = 0;
   try {
-    return deform::app::finish_output(deform::app::execute(argc, argv));
+    code = deform::app::execute(argc, argv);
   } catch (...) {
-    return deform::app::report_current_error();
+    code = deform::app::report_current_error();
   }
+  code = deform::app::finish_output(code);
+  deform::expect_process_end();
+  return code;
 }
