@@ -23,6 +23,7 @@
 
 #include "deform/error.h"
 
+#include "plugin/process_end.h"
 #include "scene/json.h"
 
 namespace deform {
@@ -106,6 +107,7 @@ std::string take(const Json& outcome) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
   ::dup2(said.file(), STDERR_FILENO);
+  watch_this_process();
   ::_exit(result.write(outcome_of(make)) ? 0 : 1);
 }
 

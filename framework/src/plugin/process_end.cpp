@@ -14,6 +14,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include <sys/syscall.h>
+#include <sys/types.h>
 #include <tbb/task_scheduler_observer.h>
 
 #include "deform/error.h"
@@ -26,6 +28,8 @@ namespace {
 
 std::atomic<const LastNote*> note = nullptr;
 std::atomic<bool> is_expected = false;
+/// Whose end is watched: a plugin's own children end as they like.
+std::atomic<pid_t> watched = 0;
 /// Of the thread that began to watch, which waits for the others: what they do, they do for it.
 const PluginCall* const* main_call = nullptr;
 
@@ -57,6 +61,10 @@ bool write_all(int file, std::string_view text) noexcept {
   return true;
 }
 
+[[noreturn]] void leave(int code) noexcept {
+  for (;;) ::syscall(SYS_exit_group, code);
+}
+
 /// Says who ended the process, and ends it. Async-signal-safe.
 [[noreturn]] void end_process(const char* cause) noexcept {
   const PluginCall* call = PluginCall::innermost();
@@ -76,8 +84,8 @@ bool write_all(int file, std::string_view text) noexcept {
   (void)(write_all(STDERR_FILENO, "deform: ") && write_all(STDERR_FILENO, text.view()) &&
          write_all(STDERR_FILENO, "\n"));
   const LastNote* const left = note.exchange(nullptr);
-  if (call != nullptr && left != nullptr) left->write(text.c_str());
-  ::_exit(static_cast<int>(call != nullptr ? ExitCode::plugin_failed : ExitCode::internal_error));
+  if (call != nullptr && left != nullptr && ::getpid() == watched) left->write(text.c_str());
+  leave(static_cast<int>(call != nullptr ? ExitCode::plugin_failed : ExitCode::internal_error));
 }
 
 /// One thread tells the end; others that come meanwhile wait for it.
@@ -122,7 +130,7 @@ void on_crash(int signal, siginfo_t* info, void* context) {
 }
 
 void on_exit() {
-  if (is_expected) return;
+  if (is_expected || ::getpid() != watched) return;
   wait_if_it_ends_already();
   end_process("it called exit()");
 }
@@ -173,9 +181,15 @@ void prepare_thread_for_crashes() {
   static thread_local const OtherStack stack;
 }
 
+void watch_this_process() {
+  if (!watches) return;
+  main_call = PluginCall::place();
+  watched = ::getpid();
+}
+
 void watch_process_end() {
   if (std::exchange(watches, true)) return;
-  main_call = PluginCall::place();
+  watch_this_process();
   std::atexit(on_exit);
   std::at_quick_exit(on_exit);
   if (!kHandlesSignals) return;
@@ -190,6 +204,17 @@ void watch_process_end() {
 }
 
 void expect_process_end() noexcept { is_expected = true; }
+
+/// The framework's library comes before the C library where plugins' names are looked up, so that
+/// their calls of _exit come here; those of the C library itself do not.
+void exit_at_once(int code) noexcept {
+  const bool is_a_plugins = PluginCall::innermost() != nullptr && ::getpid() == watched;
+  if (is_a_plugins && !is_expected) {
+    wait_if_it_ends_already();
+    end_process("it called _exit()");
+  }
+  leave(code);
+}
 
 LastNote::LastNote(const std::filesystem::path& file, std::string before, std::string after)
     : file_(file.string()),
@@ -219,3 +244,12 @@ void LastNote::write(const char* reason) const noexcept {
 }
 
 }  // namespace deform
+
+// NOLINTBEGIN(bugprone-reserved-identifier, cert-dcl37-c, cert-dcl51-cpp)
+extern "C" {
+[[noreturn, gnu::visibility("default")]] void _exit(int code) { deform::exit_at_once(code); }
+[[noreturn, gnu::visibility("default")]] void _Exit(int code) noexcept {
+  deform::exit_at_once(code);
+}
+}
+// NOLINTEND(bugprone-reserved-identifier, cert-dcl37-c, cert-dcl51-cpp)

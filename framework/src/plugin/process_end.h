@@ -24,6 +24,11 @@ class LastNote {
   std::string file_, temporary_, before_, after_;
 };
 
+/// For a child that was forked to call plugins: from now on its end is watched as its parent's was.
+void watch_this_process();
+/// What _exit does.
+[[noreturn]] void exit_at_once(int code) noexcept;
+
 /// Gives this thread the stack that a handler needs where the thread's own has no room left.
 void prepare_thread_for_crashes();
 
