@@ -1,9 +1,9 @@
 /// The command line program: what it is told, and what it ends with.
 #include <cstdlib>
+#include <dlfcn.h>
 #include <exception>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -250,6 +250,16 @@ CLI::App& add_schema(CLI::App& app, Arguments& arguments) {
   return schema;
 }
 
+/// One rule for all that makes threads: TBB, which the framework uses, and OpenMP, which what a
+/// plugin links may use. BLAS is on one thread: see main.
+std::unique_ptr<tbb::global_control> limit_threads(std::size_t threads) {
+  using SetThreads = void(int);
+  if (auto* const set_openmp = dlsym(RTLD_DEFAULT, "omp_set_num_threads"))
+    reinterpret_cast<SetThreads*>(set_openmp)(static_cast<int>(threads));
+  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                               threads);
+}
+
 int execute(int argc, char** argv) {
   CLI::App app("Simulates elastically deformable surfaces; every choice is a plugin.", "deform");
   app.set_version_flag("--version", std::string("deform ") + version());
@@ -278,10 +288,7 @@ int execute(int argc, char** argv) {
     return is_asked_for ? 0 : static_cast<int>(ExitCode::bad_input);
   }
 
-  std::optional<tbb::global_control> threads;
-  if (arguments.threads > 0) {
-    threads.emplace(tbb::global_control::max_allowed_parallelism, arguments.threads);
-  }
+  const auto limit = arguments.threads > 0 ? limit_threads(arguments.threads) : nullptr;
   static ProgressBar bar;  // the logger, which outlives this function, writes past it
   log_above(bar);
   if (plugin.got_subcommand("new")) return new_plugin(arguments.new_plugin);
