@@ -144,6 +144,13 @@ class EndedByAPlugin(BrokenPlugins):
             self.assertEqual(result.returncode, PLUGIN_FAILED, result.stderr)
             self.assertIn(self.ORIGIN, result.stderr)
 
+    def test_while_it_is_checked(self):
+        for when in ("constructor", "step"):
+            result = self.deform("plugin", "check", FIXTURES / "force-ends.so", "--parameters",
+                                 json.dumps({"how": "segfault", "when": when}))
+            self.assertEqual(result.returncode, PLUGIN_FAILED, result.stderr)
+            self.assertIn(self.ORIGIN, result.stderr)
+
     def test_a_comparison_goes_on(self):
         scene = sheet("force", {"plugin": "ends", "how": "exit", "when": "constructor"})
         good = scene["forces"][:1]
