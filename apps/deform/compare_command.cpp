@@ -11,6 +11,7 @@
 #include "interrupt.h"
 #include "report_command.h"
 #include "table.h"
+#include "terminal.h"
 
 namespace deform::app {
 namespace {
@@ -51,9 +52,9 @@ void print_dropped(const Comparison& comparison) {
 }
 
 void print_comparison(const Comparison& comparison, const std::filesystem::path& folder) {
-  fmt::print("{}\n", folder.string());
+  say("{}\n", folder.string());
   print_table(comparison_table(comparison, kTableWidth));
-  fmt::print("\n");
+  say("\n");
   for (const std::string& sentence : comparison.sentences)
     print_wrapped("  ", sentence, kTableWidth);
   print_dropped(comparison);
@@ -67,7 +68,7 @@ bool print_claims(const std::vector<Claim>& claims, bool quiet) {
     const std::string line = fmt::format("{}: {} ({})", claim.holds ? "holds" : "does not hold",
                                          claim.text, claim.explanation);
     if (!claim.holds)
-      fmt::print(stderr, "deform: {}\n", line);
+      complain("{}", line);
     else if (!quiet)
       print_wrapped("  ", line, kTableWidth);
   }
@@ -101,7 +102,7 @@ int compare_scene(CompareCommand command, const std::vector<std::filesystem::pat
   const std::string report = add_report(runner.folder);
   if (!command.quiet) {
     print_comparison(comparison, runner.folder);
-    fmt::print("  report: {}\n", report);
+    say("  report: {}\n", report);
   }
   const bool all_hold = print_claims(comparison.claims, command.quiet);
   return static_cast<int>(all_hold ? ExitCode::done : ExitCode::expectation_failed);

@@ -13,6 +13,7 @@
 #include "deform/simulation/scene.h"
 
 #include "report_error.h"
+#include "terminal.h"
 
 namespace deform::app {
 namespace {
@@ -63,7 +64,7 @@ int validate_scenes(const std::vector<std::filesystem::path>& files,
       check_all(scenes, registry);
       warn_of_remarks(scenes);
       const std::size_t variants = scenes.size() - 1;
-      fmt::print("{}: ok ({} variant{})\n", file.string(), variants, variants == 1 ? "" : "s");
+      say("{}: ok ({} variant{})\n", file.string(), variants, variants == 1 ? "" : "s");
     } catch (...) {
       code = std::max(code, report_current_error());
     }

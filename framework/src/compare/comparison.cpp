@@ -56,10 +56,13 @@ double surface_size(const std::vector<MeasuredRun>& measured, std::size_t refere
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-std::vector<MeasuredRun> measure(const ComparisonPlan& plan, const fs::path& folder) {
+std::vector<MeasuredRun> measure(const ComparisonPlan& plan, const RunnerOptions& options) {
+  const fs::path& folder = options.folder;
   const std::size_t reference = number_of_reference(plan);
   std::vector<MeasuredRun> measured(plan.runs.size());
   tbb::parallel_for(std::size_t{0}, measured.size(), [&](std::size_t i) {
+    if (options.interrupted != nullptr && options.interrupted->load())
+      throw Error(ExitCode::interrupted, "interrupted; --resume goes on from there");
     measured[i].recorded = read_run(folder / plan.runs[i].name);
     if (i == reference) return;
     // Each has the reference to itself: a trajectory is read by one thread at a time.
@@ -138,7 +141,8 @@ Comparison compare(const ComparisonOptions& options,
   } else {
     check_run_directory(folder, options.force);
   }
-  const ComparisonPlan plan = plan_comparison(options.request, registry);
+  const ComparisonPlan plan =
+      plan_comparison(options.request, registry, options.runner.interrupted);
   std::vector<std::string> claims;
   if (!options.expectation.empty()) claims = read_claims(options.expectation, names_of(plan));
 
@@ -152,7 +156,7 @@ Comparison compare(const ComparisonOptions& options,
                             pointer));
 
   std::vector<RunOutcome> outcomes = execute_runs(plan.runs, *registry, options.runner);
-  const std::vector<MeasuredRun> measured = measure(plan, folder);
+  const std::vector<MeasuredRun> measured = measure(plan, options.runner);
   Comparison comparison = conclude(options, plan, std::move(outcomes), measured);
   comparison.sentences = sentences_of(comparison);
   comparison.claims = check_claims(claims, comparison.runs);

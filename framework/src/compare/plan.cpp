@@ -9,7 +9,9 @@
 #include "deform/error.h"
 #include "deform/simulation/run.h"
 
+#include "compare/forked.h"
 #include "compare/run_names.h"
+#include "scene/json.h"
 #include "scene/nearest_name.h"
 #include "scene/scene_problems.h"
 #include "simulation/part_maker.h"
@@ -47,8 +49,9 @@ std::vector<Cell> grid_of(const std::vector<Variation>& variations) {
 /// Reads what a comparison needs of one scene, and gathers what is wrong with it.
 class Planner {
  public:
-  Planner(const ComparisonRequest& request, std::shared_ptr<const PluginRegistry> registry)
-      : request_(request), registry_(std::move(registry)) {}
+  Planner(const ComparisonRequest& request, std::shared_ptr<const PluginRegistry> registry,
+          const std::atomic<bool>* interrupted)
+      : request_(request), registry_(std::move(registry)), interrupted_(interrupted) {}
 
   ComparisonPlan plan() {
     const std::vector<Scene> written = read_variants(request_.scene, *registry_);
@@ -176,22 +179,35 @@ class Planner {
     return kRefined;
   }
 
+  /// Plugins are made in a child: one that ends the process ends its own run alone.
   std::vector<std::pair<std::string, std::string>> refinement_of(const Scene& scene) {
-    PartMaker maker(scene, registry_);
-    const auto surface = maker.make<Surface>(scene.surface, maker.setup());
-    maker.throw_problems();
-    auto changes = surface->object->refinement();
-    if (changes.empty())
-      throw InputError(fmt::format("--reference refined: {} cannot be refined", surface->origin));
-    return changes;
+    const std::string changes = in_child(
+        [&] {
+          PartMaker maker(scene, registry_);
+          const auto surface = maker.make<Surface>(scene.surface, maker.setup());
+          maker.throw_problems();
+          const auto refinement = surface->object->refinement();
+          if (refinement.empty())
+            throw InputError(
+                fmt::format("--reference refined: {} cannot be refined", surface->origin));
+          return Json(refinement).dump();
+        },
+        interrupted_);
+    return Json::parse(changes).get<std::vector<std::pair<std::string, std::string>>>();
   }
 
   void make_parts(ComparisonPlan& plan) {
     std::vector<Problem> problems;
     for (PlannedRun& run : plan.runs) {
       try {
-        check(run.scene, registry_);
+        (void)in_child(
+            [&] {
+              check(run.scene, registry_);
+              return std::string();
+            },
+            interrupted_);
       } catch (const Error& e) {
+        if (e.code() == ExitCode::interrupted) throw;
         run.refused = e.what();
         run.plugin_failed = e.code() == ExitCode::plugin_failed;
         if (const auto* bad = dynamic_cast<const InputError*>(&e)) {
@@ -206,6 +222,7 @@ class Planner {
 
   const ComparisonRequest& request_;
   std::shared_ptr<const PluginRegistry> registry_;
+  const std::atomic<bool>* interrupted_;
   std::vector<PlannedRun> runs_;
   std::vector<Problem> problems_;
   std::set<std::string> said_;  // what runs share is said once
@@ -237,8 +254,9 @@ std::vector<std::string> split_values(const std::string& text) {
 }
 
 ComparisonPlan plan_comparison(const ComparisonRequest& request,
-                               const std::shared_ptr<const PluginRegistry>& registry) {
-  return Planner(request, registry).plan();
+                               const std::shared_ptr<const PluginRegistry>& registry,
+                               const std::atomic<bool>* interrupted) {
+  return Planner(request, registry, interrupted).plan();
 }
 
 }  // namespace deform

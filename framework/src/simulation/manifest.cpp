@@ -142,10 +142,28 @@ void Manifest::finish(const RunResult& result, const std::string& solver_choice)
       {"factorisation", t.factorisation},     {"solve", t.solve},       {"output", t.output}};
 }
 
+namespace {
+
+/// A host or file name need not be UTF-8.
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace
+
+Manifest::IfProcessEnds Manifest::if_process_ends() const {
+  constexpr std::string_view kPlace = "\"reason\": \"\"";
+  Json json = json_;
+  json["status"] = status_of(ExitCode::plugin_failed);
+  json["exit_code"] = static_cast<int>(ExitCode::plugin_failed);
+  json["reason"] = "";
+  const std::string text = text_of(json);
+  const std::size_t place = text.find(kPlace) + kPlace.size();
+  return {text.substr(0, place - 2), text.substr(place)};
+}
+
 void Manifest::write(const std::filesystem::path& folder) const {
-  // A host or file name need not be UTF-8.
-  write_atomically(folder / "manifest.json",
-                   json_.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  write_atomically(folder / "manifest.json", text_of(json_));
 }
 
 }  // namespace deform

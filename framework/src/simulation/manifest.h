@@ -26,6 +26,11 @@ class Manifest {
   /// The run goes on after `step`. Warns of plugins that are not those of the `earlier` manifest.
   void resume(long step, const Json& earlier);
   void finish(const RunResult& result, const std::string& solver_choice);
+  /// The text with the status "plugin failed", and where in it the reason stands, which is "".
+  struct IfProcessEnds {
+    std::string before, after;
+  };
+  [[nodiscard]] IfProcessEnds if_process_ends() const;
   /// Throws Error when it cannot be written.
   void write(const std::filesystem::path& folder) const;
 

@@ -13,6 +13,7 @@
 #include "deform/log.h"
 #include "deform/simulation/remarks.h"
 
+#include "plugin/process_end.h"
 #include "profile/profile.h"
 #include "record/trajectory_writer.h"
 #include "scene/json.h"
@@ -24,6 +25,7 @@
 #include "simulation/run_directory.h"
 #include "simulation/run_log.h"
 #include "simulation/run_parts.h"
+#include "simulation/step_watch.h"
 #include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 
@@ -32,6 +34,7 @@ namespace {
 
 /// Where a checkpoint keeps how long the trajectory was.
 constexpr const char* kTrajectoryBytes = "trajectory/bytes";
+constexpr const char* kNothingWritten = "interrupted before the first step; nothing was written";
 /// What a profiled run leaves in its directory.
 constexpr const char *kProfileTable = "profile.txt", *kProfileTrace = "trace.json";
 
@@ -46,7 +49,7 @@ class Recording {
  public:
   /// Throws InputError when the scene or the checkpoint cannot be used; writes nothing.
   Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-            const RunOptions& options, Resumption found);
+            const RunOptions& options, Resumption found, StepWatch& watch);
   RunResult execute();
 
  private:
@@ -55,9 +58,16 @@ class Recording {
   void start();
   void open_trajectory();
   void step_to_end();
+  void step();
+  /// The step under way never ends: the directory is finished without it, and the process left.
+  void give_step_up();
   /// What comes between two steps. Returns whether there is a next one.
   [[nodiscard]] bool settle();
   void save_checkpoint();
+  void keep_checkpoint();
+  [[nodiscard]] Checkpoint make_checkpoint();
+  void write(const Checkpoint& checkpoint);
+  void end_within_step();
   void record(bool all_probes, bool all_outputs);
   [[nodiscard]] bool frame_due(long step) const;
   /// Calls action(frame); what it makes the System compute counts as output, not as the model's
@@ -92,6 +102,14 @@ class Recording {
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Profile> profile_;
   CheckpointSchedule schedule_;
+  StepWatch& watch_;
+  /// What to go on from if the step under way is thrown away; of long steps alone.
+  std::optional<Checkpoint> before_step_;
+  std::chrono::steady_clock::duration last_step_{0};
+  std::optional<std::chrono::steady_clock::time_point> stepping_since_;
+  StepTimes times_before_step_;  // the step that is given up may still write the System's
+  bool gave_step_up_ = false;
+  std::optional<LastNote> last_note_;
   long checkpoint_step_ = -1;  // of the checkpoint in the folder
   std::optional<Diverged> divergence_;
   RunResult result_;
@@ -99,14 +117,16 @@ class Recording {
 };
 
 Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-                     const RunOptions& options, Resumption found)
+                     const RunOptions& options, Resumption found, StepWatch& watch)
     : scene_(scene),
       options_(options),
       folder_(std::filesystem::absolute(options.folder)),
       found_(std::move(found)),
       parts_(make_run_parts(scene, registry)),
       manifest_(scene, *registry, options),
-      schedule_(scene) {
+      schedule_(scene),
+      watch_(watch) {
+  parts_.simulation->stop_when(&watch_.stop());
   context_.emplace(make_run_context(parts_, folder_));
   if (found_.checkpoint) context_->resumed_at = found_.checkpoint->step;
   begin_probes(parts_, *context_);  // may still reject the scene, so comes before the folder
@@ -151,17 +171,24 @@ RunResult Recording::execute() {
     log::warn(fmt::format("there is no checkpoint in {}: the run starts anew", folder_.string()));
   }
   write_atomically(folder_ / "scene.json", scene_.completed);
+  const auto [before, after] = manifest_.if_process_ends();
+  last_note_.emplace(folder_ / "manifest.json", before, after);
   try {
     for (const std::string& note : parts_.simulation->system().notes()) log::info(note);
     start();
     const Profile::Active active(profile_ ? &*profile_ : nullptr);
-    const Stopwatch watch(result_.stepping_seconds, "run");
+    const Span span("run");
+    parts_.simulation->system().times() = {};
+    stepping_since_ = std::chrono::steady_clock::now();
     step_to_end();
   } catch (const Diverged& e) {
     divergence_ = e;
     end_with(e);
   } catch (const Error& e) {
-    end_with(e);
+    if (e.code() == ExitCode::interrupted)
+      end_within_step();
+    else
+      end_with(e);
   } catch (const std::exception& e) {
     end_with(ExitCode::internal_error, e.what());
   }
@@ -184,19 +211,45 @@ void Recording::open_trajectory() {
 }
 
 void Recording::step_to_end() {
-  Simulation& simulation = *parts_.simulation;
   while (settle()) {
-    if (parts_.probes->none()) {
-      simulation.step();
-    } else {
-      simulation.step([this](const Frame& at_break) {
-        apart_from_model(at_break, [&] { parts_.probes->follow_break(at_break); });
-      });
-      apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
-    }
+    const auto begun = std::chrono::steady_clock::now();
+    step();
+    last_step_ = std::chrono::steady_clock::now() - begun;
     if (profile_) profile_->end_step();
-    if (options_.progress) options_.progress(simulation.steps(), scene_.steps());
+    if (options_.progress) options_.progress(parts_.simulation->steps(), scene_.steps());
   }
+}
+
+void Recording::step() {
+  const std::function<void()> give_up = [this] { give_step_up(); };
+  const StepWatch::Span watched(watch_, give_up);
+  times_before_step_ = parts_.simulation->system().times();
+  if (parts_.probes->none()) return parts_.simulation->step();
+  parts_.simulation->step([this](const Frame& at_break) {
+    apart_from_model(at_break, [&] { parts_.probes->follow_break(at_break); });
+  });
+  apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
+}
+
+void Recording::give_step_up() {
+  if (!options_.abandon) return;
+  gave_step_up_ = true;
+  end_within_step();
+  finish();
+  options_.abandon(result_);
+}
+
+/// The state is no longer, or not yet, one that a checkpoint could be made of.
+void Recording::end_within_step() {
+  and_also([this] {
+    if (before_step_) write(*before_step_);
+  });
+  end_with(ExitCode::interrupted,
+           fmt::format("interrupted within step {} of {}, which is thrown away; {}",
+                       parts_.simulation->steps() + 1, scene_.steps(),
+                       checkpoint_step_ >= 0
+                           ? fmt::format("--resume goes on after step {}", checkpoint_step_)
+                           : "there is no checkpoint yet"));
 }
 
 bool Recording::settle() {
@@ -205,6 +258,7 @@ bool Recording::settle() {
   const bool stop = !last && interrupted();
   // Before the recording: see Checkpoint. The last one serves who prolongs the run.
   if (last || stop || schedule_.due(step)) save_checkpoint();
+  keep_checkpoint();
   // A row too many goes when the run is resumed; a frame's files would stay.
   record(last || stop, last);
   if (stop) {
@@ -216,9 +270,21 @@ bool Recording::settle() {
 }
 
 void Recording::save_checkpoint() {
+  if (checkpoint_step_ == parts_.simulation->steps()) return;
+  const Stopwatch watch(parts_.simulation->system().times().output, "checkpoint");
+  write(make_checkpoint());
+}
+
+/// Long steps alone are thrown away, and next to them this costs nothing.
+void Recording::keep_checkpoint() {
+  before_step_.reset();
+  if (last_step_ <= StepWatch::kPatience || checkpoint_step_ == parts_.simulation->steps()) return;
+  const Stopwatch watch(parts_.simulation->system().times().output, "checkpoint");
+  before_step_ = make_checkpoint();
+}
+
+Checkpoint Recording::make_checkpoint() {
   Simulation& simulation = *parts_.simulation;
-  if (checkpoint_step_ == simulation.steps()) return;
-  const Stopwatch watch(simulation.system().times().output, "checkpoint");
   writing_.drain();  // files of earlier steps are there before what relies on them
   Checkpoint checkpoint;
   checkpoint.scene = identity_of(scene_);
@@ -230,6 +296,10 @@ void Recording::save_checkpoint() {
   if (trajectory_) {
     checkpoint.memory.put(kTrajectoryBytes, {static_cast<double>(trajectory_->sync())});
   }
+  return checkpoint;
+}
+
+void Recording::write(const Checkpoint& checkpoint) {
   write_checkpoint(folder_, checkpoint);
   checkpoint_step_ = checkpoint.step;
   schedule_.restart();
@@ -311,13 +381,17 @@ void Recording::finish() {
   if (divergence_ && divergence_->step() > parts_.simulation->steps()) {
     and_also([this] { record(true, true); });  // the last good state
   }
+  if (stepping_since_) {
+    const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - *stepping_since_;
+    result_.stepping_seconds = whole.count();
+  }
   and_also([this] { writing_.drain(); });
   and_also([this] { parts_.outputs->end(); });
-  if (profile_) and_also([this] { write_profile(); });
+  if (profile_ && !gave_step_up_) and_also([this] { write_profile(); });
 
   Simulation& simulation = *parts_.simulation;
   result_.steps = simulation.steps();
-  result_.times = simulation.system().times();
+  result_.times = gave_step_up_ ? times_before_step_ : simulation.system().times();
   result_.times.steps = simulation.steps() - result_.resumed_after;
   const auto& columns = parts_.probes->columns();
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -330,6 +404,7 @@ void Recording::finish() {
   result_.wall_seconds = seconds();
   log::info(fmt::format("{} after {} steps and {:.3f} s", status_of(result_.code), result_.steps,
                         result_.wall_seconds));
+  last_note_.reset();
   manifest_.finish(result_, simulation.system().solver_choice());
   and_also([this] { manifest_.write(folder_); });
 }
@@ -384,7 +459,21 @@ RunResult run(const Scene& scene, std::shared_ptr<const PluginRegistry> registry
   } else {
     check_run_directory(options.folder, options.force);
   }
-  return Recording(scene, std::move(registry), options, std::move(found)).execute();
+  StepWatch watch(options.interrupted);
+  std::optional<Recording> recording;
+  {
+    const std::function<void()> give_up = [&options] {
+      RunResult result;
+      result.code = ExitCode::interrupted;
+      result.reason = kNothingWritten;
+      if (options.abandon) options.abandon(result);
+    };
+    const StepWatch::Span watched(watch, give_up);
+    recording.emplace(scene, std::move(registry), options, std::move(found), watch);
+  }
+  if (options.interrupted != nullptr && options.interrupted->load())
+    throw Error(ExitCode::interrupted, kNothingWritten);
+  return recording->execute();
 }
 
 }  // namespace deform

@@ -133,6 +133,8 @@ struct Simulation::Impl {
   Vec3 centroid = Vec3::Zero();  // of the rest state
   double size = 0;
 
+  const std::atomic<bool>* stop = nullptr;  // of a step; see stop_when
+
   State state;
   State before;   // the last step: what previous_geometry is of
   State earlier;  // the step before that one
@@ -404,6 +406,11 @@ void Simulation::step(const AtBreak& at_break) {
   s.state.time = static_cast<double>(s.steps) * s.scene.step;  // not summed up: exact to rounding
 }
 
+void Simulation::stop_when(const std::atomic<bool>* stop) {
+  impl_->stop = stop;
+  impl_->system->stop_when(stop);
+}
+
 const Scene& Simulation::scene() const { return impl_->scene; }
 System& Simulation::system() { return *impl_->system; }
 const State& Simulation::state() const { return impl_->state; }
@@ -419,8 +426,9 @@ Frame Simulation::Impl::frame(double step) {
 Frame Simulation::frame() { return impl_->frame(impl_->scene.step); }
 
 std::unique_ptr<CompanionRun> Simulation::mirrored() const {
-  return std::make_unique<MirrorImage>(
-      std::make_unique<Simulation>(impl_->scene, impl_->registry, !impl_->mirrored));
+  auto image = std::make_unique<Simulation>(impl_->scene, impl_->registry, !impl_->mirrored);
+  image->stop_when(impl_->stop);
+  return std::make_unique<MirrorImage>(std::move(image));
 }
 
 void Simulation::save(Memory& memory) const {

@@ -138,6 +138,7 @@ const std::vector<Named<EnergyTerm>>& System::energies() const { return impl_->p
 const NodeVectors& System::force() const { return impl_->force; }
 const NodeValues& System::force_damping() const { return impl_->force_damping; }
 const SparseMatrix& System::lagged_operator() const { return impl_->k; }
+void System::stop_when(const std::atomic<bool>* stop) { impl_->stop = stop; }
 StepTimes& System::times() { return impl_->times; }
 StepReport& System::step_report() { return impl_->report; }
 const StepReport& System::step_report() const { return impl_->report; }
@@ -158,6 +159,7 @@ std::vector<std::string> System::notes() const {
 }
 
 void System::Impl::evaluate(const State& state, JetAssembler::Part part) {
+  require_going_on();
   const Stopwatch watch(times.assembly, "geometry, stress and force");
   evaluate_geometry_and_stress(state.r, part);
   evaluate_tuples(state.r);
@@ -243,6 +245,7 @@ void System::require_promised_symmetry() {
 }
 
 void System::solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x, double tolerance) {
+  impl_->require_going_on();
   require_finite(d, "what is added to the lagged operator", "the integrator", "");
   require_finite(b, "the right-hand side", "the integrator", "");
   choose_solver();
@@ -309,6 +312,7 @@ void System::require_outside_of_colliders(const NodeVectors& r, double slack) co
 }
 
 double System::energy(std::size_t term, const State& state) {
+  impl_->require_going_on();
   for (const TupleAssembler& t : impl_->tuples)
     if (t.number() == term) {
       double sum = 0;
@@ -399,6 +403,7 @@ NodeVectors System::external_force(const State& state) {
 }
 
 System::LaggedForce System::lagged_force(std::size_t term, const State& state) {
+  impl_->require_going_on();
   impl_->update_geometry(state.r);
   LaggedForce result{impl_->k, NodeVectors::Zero(nodes(), 3)};
   std::ranges::fill(result.k.value, 0.0);

@@ -100,6 +100,11 @@ struct System::Impl {
   void add_internal_force(NodeVectors& f) const;
   [[nodiscard]] NodeVectors force_of(const Named<ForceField>& field, const State& state);
   [[nodiscard]] bool operator_is_finite() const;
+  /// Throws Error where the step is to be given up.
+  void require_going_on() const {
+    if (stop != nullptr && stop->load(std::memory_order_relaxed))
+      throw Error(ExitCode::interrupted, "interrupted");
+  }
 
   ModelParts parts;
   std::vector<TermTraits> traits;   // of the energies
@@ -149,6 +154,7 @@ struct System::Impl {
   std::optional<TurningStep> turning;        // likewise
   StepReport report;
   StepTimes times;
+  const std::atomic<bool>* stop = nullptr;  // see System::stop_when
 };
 
 }  // namespace deform

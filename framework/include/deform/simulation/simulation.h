@@ -1,6 +1,7 @@
 /// A simulation: a scene's model, its integrator and its state.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <string>
@@ -29,6 +30,11 @@ class DEFORM_API Simulation {
   /// Throws Diverged when the state is not finite or a node is beyond all bounds, PluginFailure
   /// when a plugin throws; the state is then that before the step.
   void step(const AtBreak& at_break = {});
+
+  /// From now on a step throws Error with ExitCode::interrupted soon after `stop` becomes true, and
+  /// so do those of `mirrored` runs made later. The state is then that before the step, but plugins
+  /// may remember something of it: go on from what was saved before. Null: nothing stops steps.
+  void stop_when(const std::atomic<bool>* stop);
 
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] System& system();

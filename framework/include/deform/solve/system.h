@@ -2,6 +2,7 @@
 /// linear solves.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -139,6 +140,10 @@ class DEFORM_API System {
   /// Says that a step starts here: `previous_geometry` is that of this state until the next call;
   /// `geometry` stays what it is.
   void begin_step(const State& state);
+  /// From now on whatever evaluates, factorises or solves throws Error with ExitCode::interrupted
+  /// as soon as `stop` is true: an integrator's step ends there, whatever the integrator. What a
+  /// step has made until then is to be thrown away. Null: nothing stops them.
+  void stop_when(const std::atomic<bool>* stop);
   /// Makes `geometry` that of a state; computes it unless it is known (same positions).
   void update_geometry(const State& state);
   /// Geometry of the last updated state, of the state at which the last step began, and of the rest
