@@ -10,6 +10,7 @@
 #include "deform/log.h"
 #include "deform/simulation/run.h"
 
+#include "commit.h"
 #include "interrupt.h"
 #include "remarks.h"
 #include "report_command.h"
@@ -75,6 +76,7 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
   options.profile = command.profile;
   options.interrupted = &watch_interrupts();
   options.command_line = command.command_line;
+  options.commit = commit();
   options.progress = [&bar](long done, long total) { bar.update(done, total); };
   if (command.part_of_comparison) options.progress = ProgressLines();
 
@@ -94,11 +96,11 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
     fmt::print("{}", result.profile);
   }
   // A comparison has a report of its own, which shows them all.
-  if (scene.frames_written && !command.part_of_comparison) {
-    const std::string report = add_report(options.folder);
-    if (!quiet) fmt::print("  report        {}\n", report);
-  }
-  return static_cast<int>(result.code);
+  if (!scene.frames_written || command.part_of_comparison || result.kept_old_run)
+    return static_cast<int>(result.code);
+  const AddedReport report = add_report(options.folder);
+  if (!quiet) fmt::print("  report        {}\n", report.told);
+  return static_cast<int>(result.code == ExitCode::done ? report.code : result.code);
 }
 
 }  // namespace deform::app

@@ -30,13 +30,25 @@ class Bdf2 final : public ImplicitIntegrator {
     error_.load(memory);
     has_before_ = has(memory, "before");
     if (has_before_) before_ = get(memory, "before");
+    if (has_before_ && before_.r.rows() != known_nodes(memory))
+      throw InputError("the checkpoint's \"before\" has another number of nodes");
     touched_.clear();
     const auto touched = memory.entries().find("touched");
     if (touched == memory.entries().end()) return;
-    for (const double node : touched->second) touched_.push_back(static_cast<Index>(node));
+    for (const double node : touched->second) {
+      if (!(node >= 0 && node < static_cast<double>(known_nodes(memory))))
+        throw InputError("the checkpoint's \"touched\" has a node that is none");
+      touched_.push_back(static_cast<Index>(node));
+    }
   }
 
  protected:
+  /// Of the state that the memory's last step ended with.
+  [[nodiscard]] static Index known_nodes(const Memory& memory) {
+    const auto last = memory.entries().find("last.r");
+    return last == memory.entries().end() ? 0 : static_cast<Index>(last->second.size() / 3);
+  }
+
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
     begin_stage(from, h);

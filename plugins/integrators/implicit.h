@@ -37,6 +37,7 @@ class ImplicitIntegrator : public SteppedIntegrator {
   explicit ImplicitIntegrator(const ImplicitParameters& p)
       : SteppedIntegrator(p), newton_(p.settings()) {}
 
+  [[nodiscard]] Solves solves() const override { return Solves::tangents; }
   void save(Memory& memory) const override {
     SteppedIntegrator::save(memory);
     newton_.save(memory);

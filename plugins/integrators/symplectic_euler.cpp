@@ -9,6 +9,8 @@ class SymplecticEuler final : public Integrator {
  public:
   SymplecticEuler(const NoParameters& /*parameters*/, const Setup& /*setup*/) {}
 
+  [[nodiscard]] Solves solves() const override { return Solves::nothing; }
+
   void advance(System& system, State& state, double step) override {
     system.evaluate(state);
     before_ = state.r;

@@ -27,6 +27,7 @@ struct RunOptions {
   const std::atomic<bool>* interrupted =
       nullptr;                            ///< ends the run within a step when it becomes true
   std::vector<std::string> command_line;  ///< for the manifest
+  std::string commit{};                   ///< of the program's sources, for the manifest
 };
 
 struct RunResult {
@@ -41,6 +42,8 @@ struct RunResult {
   double stepping_seconds =
       0;                ///< of wall_seconds: from the first step to the last, recording included
   std::string profile;  ///< the table of profile.txt; empty unless asked for
+  /// The run took no step, and the one that it was to replace (RunOptions::force) is still there.
+  bool kept_old_run = false;
 };
 
 /// How a run ended: "done", "diverged", "plugin failed", "interrupted" or "failed".

@@ -85,6 +85,7 @@ class DEFORM_API SteppedIntegrator : public Integrator {
   void shorten(double& step, double wanted, const std::string& why);
   void count(System& system, double step);
   [[nodiscard]] double error_of(const System& system, const NodeVectors& error) const;
+  void require_last_step() const;
   void interpolate(const System& system, double time, State& state) const;
 
   StepControl control_;
