@@ -113,8 +113,14 @@ std::optional<std::string> read_file(const std::filesystem::path& file) {
 }
 
 std::string missing_from(const std::filesystem::path& folder, const WrittenFile& written) {
-  const std::filesystem::path file = folder / written.name;
+  namespace fs = std::filesystem;
+  const fs::path file = folder / written.name;
   std::error_code error;
+  for (fs::path above = fs::path(written.name).parent_path(); !above.empty();
+       above = above.parent_path()) {
+    if (fs::is_symlink(fs::symlink_status(folder / above, error)))
+      return fmt::format("{} is a link, out of the run directory", (folder / above).string());
+  }
   const auto status = std::filesystem::symlink_status(file, error);
   if (status.type() == std::filesystem::file_type::not_found)
     return fmt::format("{} is not there", file.string());
