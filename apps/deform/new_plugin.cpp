@@ -118,7 +118,8 @@ void check(const NewPlugin& what, const fs::path& folder) {
 void write(const fs::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
   stream << text;
-  if (!stream.flush()) {
+  stream.close();
+  if (!stream) {
     throw Error(ExitCode::internal_error, "cannot write " + file.string());
   }
 }

@@ -1,5 +1,3 @@
-#include <cstdint>
-#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -42,18 +40,26 @@ class Bdf2 final : public ImplicitIntegrator {
     error_.load(memory);
     has_before_ = has(memory, "before");
     if (has_before_) before_ = get(memory, "before");
+    if (has_before_ && before_.r.rows() != known_nodes(memory))
+      throw InputError("the checkpoint's \"before\" has another number of nodes");
     after_impact_ = memory.get("after_impact", 1).front() != 0;
     touched_.clear();
     const auto touched = memory.entries().find("touched");
     if (touched == memory.entries().end()) return;
     for (const double node : touched->second) {
-      if (!(node >= 0 && node <= std::numeric_limits<std::int32_t>::max()))
-        throw InputError("the checkpoint's \"touched\" has a number that is no node's");
+      if (!(node >= 0 && node < static_cast<double>(known_nodes(memory))))
+        throw InputError("the checkpoint's \"touched\" has a node that is none");
       touched_.push_back(static_cast<Index>(node));
     }
   }
 
  protected:
+  /// Of the state that the memory's last step ended with.
+  [[nodiscard]] static Index known_nodes(const Memory& memory) {
+    const auto last = memory.entries().find("last.r");
+    return last == memory.entries().end() ? 0 : static_cast<Index>(last->second.size() / 3);
+  }
+
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double omega = has_before_ ? h / (from.time - before_.time) : 0;
     if (has_before_ && omega <= kMostGrowth * (1 + 1e-9))

@@ -39,6 +39,7 @@ class ImplicitIntegrator : public SteppedIntegrator {
 
   /// Contact goes on where loads jump; what a method remembers of earlier steps does not.
   void restart() override { forget_history(); }
+  [[nodiscard]] Solves solves() const override { return Solves::tangents; }
   void save(Memory& memory) const override {
     SteppedIntegrator::save(memory);
     newton_.save(memory);

@@ -23,6 +23,8 @@ class RungeKutta final : public SteppedIntegrator {
  public:
   RungeKutta(const Parameters& p, const Setup& /*setup*/) : SteppedIntegrator(p) {}
 
+  [[nodiscard]] Solves solves() const override { return Solves::nothing; }
+
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const int stages = with_error() ? kStages : kStages - 1;

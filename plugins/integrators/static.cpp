@@ -61,6 +61,7 @@ class Static final : public Integrator {
   Static(const Parameters& p, const Setup& /*setup*/) : parameters_(p) {}
 
   [[nodiscard]] bool is_static() const override { return true; }
+  [[nodiscard]] Solves solves() const override { return Solves::tangents; }
 
   void advance(System& system, State& state, double step) override {
     begin(system, state, step);

@@ -62,6 +62,7 @@ class Planner {
     const Scene base = read_scene(request_.scene, *registry_, request_.replacements);
     ComparisonPlan plan;
     plan.base = base.completed;
+    plan.base_files = base.files;
     plan.reference = choose_reference(base);
     plan.runs = std::move(runs_);
     make_parts(plan);

@@ -66,9 +66,14 @@ void TrajectoryWriter::record(const Frame& frame) {
   last_ = frame.step;
 }
 
-std::size_t TrajectoryWriter::sync() {
+WrittenFile TrajectoryWriter::sync() {
   file_.sync();
-  return file_.size();
+  return file_.written();
+}
+
+WrittenFile TrajectoryWriter::close() {
+  file_.close();
+  return file_.written();
 }
 
 }  // namespace deform

@@ -271,6 +271,7 @@ class SectionReader {
     scene.frames_written = objects_["frames"].get<bool>("write");
     scene.frames_every = objects_["frames"].get<std::int64_t>("every");
     scene.completed = json_.dump(2) + '\n';
+    scene.files = reader_.files();
     return scene;
   }
 

@@ -23,6 +23,7 @@
 #include "simulation/part_maker.h"
 #include "simulation/report_memory.h"
 #include "simulation/selection_remarks.h"
+#include "simulation/solver_check.h"
 #include "simulation/solver_uses.h"
 #include "solve/not_finite.h"
 
@@ -97,7 +98,7 @@ struct Simulation::Impl {
   [[nodiscard]] std::vector<Body> make_bodies(PartMaker& maker, const Setup& setup) const;
   [[nodiscard]] std::function<std::vector<Named<LinearSolver>>()> solver_factory(
       PartMaker& maker, const std::shared_ptr<Surface>& surface);
-  void choose_solver();
+  void check_solver(const SolverQueue::MakeSolvers& make_solvers);
   void measure_rest();
   void set_initial_state();
   void advance_by_parts(const AtBreak& at_break);
@@ -180,8 +181,9 @@ void Simulation::Impl::make_system() {
   keep(PluginKind::constraint, parts.constraints);
   for (const Body& body : parts.bodies) keep<Collider>(PluginKind::collider, {body.collider});
   keep<Integrator>(PluginKind::integrator, {integrator});
+  const auto make_solvers = parts.make_solvers;
   system = std::make_unique<System>(std::move(parts));
-  if (scene.solver) choose_solver();
+  if (scene.solver) check_solver(make_solvers);
 }
 
 /// Energies and their retardation times. A term without a potential has no stiffness that damping
@@ -217,7 +219,9 @@ std::vector<Body> Simulation::Impl::make_bodies(PartMaker& maker, const Setup& s
 
 /// Whether the solver that the scene names takes the matrix is a question of the scene: it is asked
 /// now, not within the first step.
-void Simulation::Impl::choose_solver() {
+void Simulation::Impl::check_solver(const SolverQueue::MakeSolvers& make_solvers) {
+  if (integrator.object->solves() != Integrator::Solves::lagged)
+    return require_solver(scene, *registry, *system, *integrator.object, make_solvers);
   try {
     system->choose_solver();
   } catch (const InputError& e) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "deform/error.h"
 #include "deform/geometry/rounding.h"
 
 #include "profile/profile.h"
@@ -108,6 +109,7 @@ class FirstContraction {
   void load(const Memory& memory) {
     const std::vector<double>& known = memory.get("contraction", 2);
     theta_ = known[0], tau_ = known[1];
+    if (theta_ < 0 || tau_ < 0) throw InputError("the checkpoint's \"contraction\" is none");
   }
   void forget() { theta_ = 1; }
 

@@ -76,6 +76,8 @@ State SteppedIntegrator::get(const Memory& memory, const std::string& name) {
   if (state.r.rows() != state.v.rows())
     throw InputError("the checkpoint's \"" + name +
                      "\" has positions and velocities of different numbers of nodes");
+  if (!state.r.allFinite() || !state.v.allFinite() || !std::isfinite(state.time))
+    throw InputError("the checkpoint's \"" + name + "\" is not finite");
   return state;
 }
 
@@ -286,9 +288,22 @@ void SteppedIntegrator::load(const Memory& memory) {
   if (!has(memory, "last")) return;
   last_ = get(memory, "last");
   next_ = memory.get("next_step", 1).front();
+  if (!(next_ >= 0) || !std::isfinite(next_))
+    throw InputError("the checkpoint's \"next_step\" is no length of a step");
   if (!has(memory, "right")) return;
   left_ = get(memory, "left");
   right_ = get(memory, "right");
+  require_last_step();
+}
+
+/// Steps of its own end at the scene's last one or beyond, the rounding of times aside: one that
+/// ends long before would be followed by any number of others.
+void SteppedIntegrator::require_last_step() const {
+  const bool same_nodes = left_.r.rows() == last_.r.rows() && right_.r.rows() == last_.r.rows();
+  const double length = right_.time - left_.time;
+  if (!same_nodes || !(next_ > 0) || !(length >= 0) ||
+      !(right_.time >= last_.time - length - next_))
+    throw InputError("the checkpoint's steps do not lead to its state");
 }
 
 }  // namespace deform

@@ -144,8 +144,10 @@ StepReport& System::step_report() { return impl_->report; }
 const StepReport& System::step_report() const { return impl_->report; }
 const std::string& System::solver_choice() const {
   if (impl_->solver) return impl_->solver->choice();
-  const bool is_iterative = impl_->tangent_solver && !impl_->tangent_solver->choice().empty();
-  return is_iterative ? impl_->tangent_solver->choice() : impl_->no_solver;
+  for (const auto* solver : {&impl_->tangent_solver, &impl_->mass_solver})
+    if (*solver && !(*solver)->choice().empty()) return (*solver)->choice();
+  if (impl_->jacobian && !impl_->jacobian->choice().empty()) return impl_->jacobian->choice();
+  return impl_->no_solver;
 }
 
 std::vector<std::string> System::notes() const {

@@ -48,6 +48,7 @@ struct ComparisonPlan {
   std::vector<PlannedRun> runs;  ///< in the order of the file and of the values
   std::string reference;         ///< a run's name
   std::string base;  ///< the scene without variants and variations, complete, as JSON text
+  std::vector<SceneFile> base_files{};  ///< that it names
 };
 
 /// The name of the run with the finer grid.

@@ -25,6 +25,8 @@ struct RunResult {
   double stepping_seconds =
       0;                ///< of wall_seconds: from the first step to the last, recording included
   std::string profile;  ///< the table of profile.txt; empty unless asked for
+  /// The run took no step, and the one that it was to replace (RunOptions::force) is still there.
+  bool kept_old_run = false;
 };
 
 struct RunOptions {
@@ -47,6 +49,7 @@ struct RunOptions {
   /// the run waits for the step.
   std::function<void(const RunResult&)> abandon{};
   std::vector<std::string> command_line;  ///< for the manifest
+  std::string commit{};                   ///< of the program's sources, for the manifest
 };
 
 /// How a run ended: "done", "diverged", "plugin failed", "interrupted" or "failed".

@@ -94,6 +94,7 @@ class DEFORM_API SteppedIntegrator : public Integrator {
   void shorten(double& step, double wanted, const std::string& why);
   void count(System& system, double step);
   [[nodiscard]] static double error_of(const System& system, NodeVectors error);
+  void require_last_step() const;
   void interpolate(const System& system, double time, State& state) const;
 
   StepControl control_;
