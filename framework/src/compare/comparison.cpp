@@ -6,10 +6,10 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/parallel.h"
 
 #include "compare/comparison_files.h"
 #include "compare/expectation.h"
@@ -56,7 +56,8 @@ double surface_size(const std::vector<MeasuredRun>& measured, std::size_t refere
 std::vector<MeasuredRun> measure(const ComparisonPlan& plan, const fs::path& folder) {
   const std::size_t reference = number_of_reference(plan);
   std::vector<MeasuredRun> measured(plan.runs.size());
-  tbb::parallel_for(std::size_t{0}, measured.size(), [&](std::size_t i) {
+  parallel_blocks(static_cast<Index>(measured.size()), 1, [&](Index number, Index /*one*/) {
+    const auto i = static_cast<std::size_t>(number);
     measured[i].recorded = read_run(folder / plan.runs[i].name);
     if (i == reference) return;
     // Each has the reference to itself: a trajectory is read by one thread at a time.
