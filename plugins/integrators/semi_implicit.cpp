@@ -23,6 +23,7 @@ class SemiImplicit final : public Integrator {
  public:
   SemiImplicit(const Parameters& p, const Setup& /*setup*/) : tolerance_(p.tolerance) {}
 
+  [[nodiscard]] bool lags_coefficients() const override { return true; }
   void advance(System& system, State& state, double step) override {
     system.evaluate_with_operator(state);
     // Force fields with a scalar damping tangent take it implicitly: f(v⁺) = f(v) − c (v⁺ − v), v⁺

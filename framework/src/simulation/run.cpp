@@ -146,6 +146,7 @@ RunResult Recording::execute() {
   } else if (options_.resume && !found_.planned) {
     log::warn(fmt::format("there is no checkpoint in {}: the run starts anew", folder_.string()));
   }
+  for (const Problem& remark : remarks_on(parts_)) log::warn(remark.message);
   write_atomically(folder_ / "scene.json", scene_.completed);
   try {
     for (const std::string& note : parts_.simulation->system().notes()) log::info(note);
