@@ -51,6 +51,8 @@ std::optional<Json> replacement_value(const std::string& text) {
   return Json(text);
 }
 
+bool is_of_missing_plugin(const SceneProblem& problem) { return problem.plugin_missing; }
+
 /// A scene's document and all that can be made of it: the base, its variants, and one of these with
 /// replacements.
 class SceneDocument {
@@ -137,7 +139,7 @@ class SceneDocument {
       return problems;
     }
     std::vector<SceneProblem> lasting = problems;
-    std::erase_if(lasting, &SceneProblem::plugin_missing);
+    std::erase_if(lasting, is_of_missing_plugin);
     if (*as_it_stands_ == variant) {
       note(problems, variant, known);
       return lasting;
@@ -234,7 +236,7 @@ class SceneDocument {
                  std::vector<SceneProblem> known) {
     const std::vector<SceneProblem> of_base = read_one(kBase, {}).problems;
     known.insert(known.end(), of_base.begin(), of_base.end());
-    std::erase_if(known, &SceneProblem::plugin_missing);
+    std::erase_if(known, is_of_missing_plugin);
     Reading reading = read_one(wanted, replacements);
     note(reading.problems, wanted, known);
     return std::move(reading.scene);
