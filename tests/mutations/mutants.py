@@ -97,6 +97,8 @@ class Mutator:
         return text
 
     def change(self, scene):
+        if not scene:
+            return "nothing"
         changes = [self.put_number, self.put_number, self.put_number, self.put_junk, self.delete,
                    self.rename, self.repeat, self.swap, self.graft, self.swap_plugin,
                    self.swap_plugin, self.swap_plugin, self.put_nodes, self.put_by_schema,
@@ -218,7 +220,7 @@ class Mutator:
         """One parameter of a plugin that is there, as its schema has it."""
         found = [(path, value) for path, value in places(scene)
                  if path and isinstance(value, dict)
-                 and (kind_at(path), value.get("plugin")) in self.schemas]
+                 and (kind_at(path), str(value.get("plugin"))) in self.schemas]
         if not found:
             return "nothing"
         path, value = self.random.choice(found)
