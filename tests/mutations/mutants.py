@@ -149,7 +149,8 @@ class Mutator:
         path, value = self.anywhere(scene, lambda value: isinstance(value, list))
         if path is None:
             return "nothing"
-        value.extend(copy.deepcopy(value) * self.random.choice([1, 1, 3, 40]))
+        items, times = list(value), self.random.choice([1, 1, 3, 40])
+        value.extend(copy.deepcopy(item) for _ in range(times) for item in items)
         return f"{'/'.join(map(str, path))} has {len(value)} items"
 
     def swap(self, scene):
