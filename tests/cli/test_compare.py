@@ -342,7 +342,7 @@ class Refined(CompareTest):
     def test_what_a_finer_grid_lacks_is_named(self):
         rows = "".join(f"{i / 8} {j / 8} 0\n" for j in range(9) for i in range(9))
         (self.folder / "rest.txt").write_text(rows)
-        surface = dict(sheet()["surface"], rest={"plugin": "file", "file": "rest.txt"})
+        surface = dict(sheet()["surface"], rest={"plugin": "file", "path": "rest.txt"})
         done, folder = self.compare(sheet(surface=surface, variants={}), "--reference", "refined",
                                     code=2)
         self.assertIn("--reference refined: the scene on a grid twice as fine: ", done.stderr)
