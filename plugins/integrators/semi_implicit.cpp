@@ -23,6 +23,7 @@ class SemiImplicit final : public Integrator {
  public:
   SemiImplicit(const Parameters& p, const Setup& /*setup*/) : tolerance_(p.tolerance) {}
 
+  [[nodiscard]] bool lags_coefficients() const override { return true; }
   void advance(System& system, State& state, double step) override {
     // Loads of the step's middle: their mean where they change linearly from break to break.
     const double begin = state.time;

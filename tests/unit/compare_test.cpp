@@ -191,7 +191,9 @@ class Claims : public ::testing::Test {
     gauss.figures = {{"flatness", "1", 0.25}, {"energy.bending", "J", 2}};
     xi.name = "xi=1e-7+n=2.5";
     xi.figures = {{"flatness", "1", 0.5}, {"lowest", "m", std::nan("")}};
-    return check_claims({claim}, {gauss, xi}).front().holds;
+    Comparison comparison;
+    comparison.runs = {gauss, xi};
+    return check_claims({claim}, comparison).front().holds;
   }
 };
 

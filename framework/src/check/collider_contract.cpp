@@ -1,10 +1,14 @@
 /// Colliders: distances to the surface of a body, with their gradient.
+#include <algorithm>
 #include <cmath>
 #include <random>
+
+#include <fmt/format.h>
 
 #include "deform/model/collider.h"
 
 #include "check/contracts.h"
+#include "solve/not_finite.h"
 
 namespace deform {
 namespace {
@@ -32,8 +36,14 @@ void check_distances(const Collider& collider, Checks& checks) {
   NodeVectors points(kPoints, 3);
   for (double& x : points.reshaped()) x = anywhere(random);
   const Measured m = measure(collider, 0.3, points);
-  checks.holds("gives finite distances and normals", m.distance.allFinite() && m.normal.allFinite(),
-               "one is not finite");
+  const Index bad = std::max(first_not_finite(m.distance), first_not_finite(m.normal));
+  checks.holds("gives finite distances and normals", bad < 0,
+               bad < 0
+                   ? ""
+                   : fmt::format("at ({:.3g}, {:.3g}, {:.3g}) the distance is {}, the normal "
+                                 "({}, {}, {})",
+                                 points(bad, 0), points(bad, 1), points(bad, 2), m.distance[bad],
+                                 m.normal(bad, 0), m.normal(bad, 1), m.normal(bad, 2)));
   checks.below("normals have length 1", (m.normal.rowwise().norm().array() - 1).abs().maxCoeff(),
                1e-12);
   const Measured again = measure(collider, 0.3, points);

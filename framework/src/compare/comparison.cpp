@@ -3,18 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/parallel.h"
 #include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 
@@ -44,15 +46,15 @@ void check_resumable(const fs::path& folder) {
         fmt::format("cannot resume in '{}': it is not a comparison directory", folder.string()));
 }
 
-std::vector<std::string> names_of(const ComparisonPlan& plan) {
-  std::vector<std::string> names;
-  for (const PlannedRun& run : plan.runs) names.push_back(run.name);
-  return names;
-}
-
-std::size_t number_of_reference(const ComparisonPlan& plan) {
-  return static_cast<std::size_t>(std::ranges::find(plan.runs, plan.reference, &PlannedRun::name) -
-                                  plan.runs.begin());
+/// Number of the run that the others are measured against: the planned reference if it ended as
+/// done, else the first run that did; one that diverged is no measure of others.
+std::size_t number_of_reference(const ComparisonPlan& plan,
+                                const std::vector<RunOutcome>& outcomes) {
+  const auto planned = static_cast<std::size_t>(
+      std::ranges::find(plan.runs, plan.reference, &PlannedRun::name) - plan.runs.begin());
+  if (outcomes[planned].status == status_of(ExitCode::done)) return planned;
+  const auto done = std::ranges::find(outcomes, status_of(ExitCode::done), &RunOutcome::status);
+  return done == outcomes.end() ? planned : static_cast<std::size_t>(done - outcomes.begin());
 }
 
 /// Size of the surface [m]: the reference's, or that of any run that has states.
@@ -99,12 +101,13 @@ void say_what_is_left_over(const fs::path& folder, const ComparisonPlan& plan) {
                   folder.string(), fmt::join(names, ", ")));
 }
 
-std::vector<MeasuredRun> measure(const ComparisonPlan& plan, const RunnerOptions& options,
+std::vector<MeasuredRun> measure(const ComparisonPlan& plan, std::size_t reference,
+                                 const RunnerOptions& options,
                                  const std::vector<RunOutcome>& outcomes) {
   const fs::path& folder = options.folder;
-  const std::size_t reference = number_of_reference(plan);
   std::vector<MeasuredRun> measured(plan.runs.size());
-  tbb::parallel_for(std::size_t{0}, measured.size(), [&](std::size_t i) {
+  parallel_blocks(static_cast<Index>(measured.size()), 1, [&](Index number, Index /*one*/) {
+    const auto i = static_cast<std::size_t>(number);
     if (options.interrupted != nullptr && options.interrupted->load())
       throw Error(ExitCode::interrupted, "interrupted; --resume goes on from there");
     measured[i].recorded = read_outcome(folder / plan.runs[i].name, outcomes[i]);
@@ -117,16 +120,20 @@ std::vector<MeasuredRun> measure(const ComparisonPlan& plan, const RunnerOptions
 }
 
 Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan,
-                    std::vector<RunOutcome> outcomes, const std::vector<MeasuredRun>& measured) {
-  const std::size_t reference = number_of_reference(plan);
+                    std::size_t reference, std::vector<RunOutcome> outcomes,
+                    const std::vector<MeasuredRun>& measured) {
   Comparison comparison;
-  comparison.reference = plan.reference;
+  comparison.reference = plan.runs[reference].name;
+  comparison.planned_reference = plan.reference;
   comparison.tolerance = options.request.tolerance > 0 ? options.request.tolerance
                                                        : plan.runs.front().scene.tolerance *
                                                              surface_size(measured, reference);
+  std::map<std::string_view, std::string> first_of;  // name of the first run of a scene
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     RunComparison run;
     run.name = plan.runs[i].name;
+    const auto [first, is_new] = first_of.try_emplace(plan.runs[i].scene.completed, run.name);
+    if (!is_new) run.same_as = first->second;
     run.outcome = std::move(outcomes[i]);
     run.dropped = plan.runs[i].scene.dropped;
     run.is_reference = i == reference;
@@ -253,7 +260,7 @@ Comparison compare(const ComparisonOptions& options,
   const ComparisonPlan plan =
       plan_comparison(options.request, registry, options.runner.interrupted);
   std::vector<std::string> claims;
-  if (!options.expectation.empty()) claims = read_claims(options.expectation, names_of(plan));
+  if (!options.expectation.empty()) claims = read_claims(options.expectation, plan);
 
   held.prepare();
   try {
@@ -271,10 +278,11 @@ Comparison compare(const ComparisonOptions& options,
   say_what_is_left_over(folder, plan);
 
   std::vector<RunOutcome> outcomes = execute(options, plan, *registry, held);
-  const std::vector<MeasuredRun> measured = measure(plan, options.runner, outcomes);
-  Comparison comparison = conclude(options, plan, std::move(outcomes), measured);
+  const std::size_t reference = number_of_reference(plan, outcomes);
+  const std::vector<MeasuredRun> measured = measure(plan, reference, options.runner, outcomes);
+  Comparison comparison = conclude(options, plan, reference, std::move(outcomes), measured);
   comparison.sentences = sentences_of(comparison);
-  comparison.claims = check_claims(claims, comparison.runs);
+  comparison.claims = check_claims(claims, comparison);
 
   write_atomically(folder / "comparison.csv", comparison_csv(comparison, measured));
   write_atomically(folder / "cost.csv", cost_csv(comparison, measured));

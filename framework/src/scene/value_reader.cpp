@@ -174,7 +174,8 @@ PluginUse ValueReader::plugin(Json& json, PluginKind kind, const std::string& po
     use.parameters = std::make_shared<const ParameterValues>(plugin_members(json, plugin, pointer));
   } catch (const InputError& error) {
     const std::string place = is_short ? pointer : child_pointer(pointer, kPluginKey);
-    for (const Problem& problem : error.problems()) problems_.add(place, problem.message);
+    for (const Problem& problem : error.problems())
+      problems_.add_missing_plugin(place, problem.message);
   }
   return use;
 }

@@ -21,6 +21,12 @@ std::vector<Problem> remarks(const Scene& scene) {
          fmt::format("{} s is no whole number of steps of {} s: {} are run, to {:.6g} s",
                      scene.duration, scene.step, steps, steps * scene.step)}));
   }
+  for (const std::string& pointer : scene.dropped)
+    found.push_back(scene.located(
+        {pointer,
+         fmt::format("at {}: dropped, as the plugin put in has no such parameter", pointer)}));
+  for (const Problem& problem : scene.elsewhere)
+    found.push_back({problem.pointer, problem.message + " (not needed for this run)"});
   return found;
 }
 

@@ -240,6 +240,7 @@ RunResult Recording::execute() {
   } else if (options_.resume && !found_.planned) {
     log::warn(fmt::format("there is no checkpoint in {}: the run starts anew", folder_.string()));
   }
+  for (const Problem& remark : remarks_on(parts_)) log::warn(remark.message);
   const auto [before, after] = manifest_.if_process_ends();
   last_note_.emplace(folder_ / kManifestFile, before, after);
   try {

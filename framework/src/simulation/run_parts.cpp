@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "deform/simulation/run.h"
 
 #include "simulation/part_maker.h"
@@ -74,9 +76,28 @@ std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginReg
   return maker.problems();
 }
 
-void check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry) {
+std::vector<Problem> remarks_on(const RunParts& parts) {
+  const Scene& scene = parts.simulation->scene();
+  std::vector<Problem> remarks;
+  if (parts.simulation->integrator().lags_coefficients()) return remarks;
+  const auto remark = [&](const std::string& pointer) {
+    remarks.push_back(scene.located(
+        {pointer,
+         fmt::format("at {}: {} takes coefficients and jets from one state, where estimators like "
+                     "gauss are exact: these angles, of coefficients a step old, are of no force "
+                     "in this run; those of semi_implicit are",
+                     pointer, scene.integrator.name)}));
+  };
+  for (const RecorderUse& probe : scene.probes)
+    if (probe.use.name == "normal_error") remark(probe.use.pointer);
+  if (!scene.shadows.empty()) remark("/shadow");
+  return remarks;
+}
+
+std::vector<Problem> check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry) {
   RunParts parts = make_run_parts(scene, registry);
   begin_probes(parts, make_run_context(parts, {}));
+  return remarks_on(parts);
 }
 
 }  // namespace deform

@@ -416,6 +416,7 @@ void Simulation::stop_when(const std::atomic<bool>* stop) {
 }
 
 const Scene& Simulation::scene() const { return impl_->scene; }
+const Integrator& Simulation::integrator() const { return *impl_->integrator.object; }
 System& Simulation::system() { return *impl_->system; }
 const State& Simulation::state() const { return impl_->state; }
 long Simulation::steps() const { return impl_->steps; }

@@ -154,6 +154,9 @@ class SurfaceCheck {
           if (!is_node(entry.node)) return note_node(place, entry.node);
           if (!std::isfinite(entry.coefficient))
             return note("{} has a coefficient at node {} that is not finite", place, at.node);
+          if (std::ranges::count(*row, entry.node, &EdgeNode::Entry::node) > 1)
+            return note("{} has a row at node {} that names node {} twice, expected each once",
+                        place, at.node, entry.node);
         }
     }
   }

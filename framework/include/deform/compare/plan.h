@@ -42,6 +42,8 @@ struct PlannedRun {
   Scene scene;
   std::string refused{};       ///< why it cannot be run: what showed when its parts were made
   bool plugin_failed = false;  ///< then: a plugin threw, rather than the scene was wrong
+  /// Names of its probes' columns; empty of a run that is refused.
+  std::vector<std::string> columns{};
 };
 
 struct ComparisonPlan {

@@ -56,8 +56,10 @@ struct RunOptions {
 [[nodiscard]] DEFORM_API const char* status_of(ExitCode code);
 
 /// Makes everything that a run of the scene is made of, runs nothing and writes nothing. Throws
-/// InputError with every problem found, as `run` would before it writes anything.
-DEFORM_API void check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry);
+/// InputError with every problem found, as `run` would before it writes anything. Returns what is
+/// no error, though the user may not have meant it; `run` puts the same into the log.
+DEFORM_API std::vector<Problem> check(const Scene& scene,
+                                      std::shared_ptr<const PluginRegistry> registry);
 
 /// Runs a scene to its end and writes the run directory: scene.json, manifest.json, probes.csv,
 /// summary.json, log.txt and the outputs. Divergence, interruption and plugin failures are results

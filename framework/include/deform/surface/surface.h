@@ -21,7 +21,14 @@ struct Faces {
   [[nodiscard]] Index size() const { return static_cast<Index>(begin.size()) - 1; }
 };
 
-/// A node on an open part of the boundary, with first derivatives there as rows over the nodes.
+/// A node on an open part of the boundary, with first derivatives there as rows over the nodes. A
+/// row names each node once, and its coefficients sum to 0: a constant has no derivative.
+/// Constraints solve rows for one of their nodes, so that `inwards` has
+/// - a coefficient of the node itself, for which `symmetry` solves it, and
+/// - coefficients of nodes beside the boundary's, for the largest of which `clamp` solves it: a
+/// node
+///   that no other row of the side is solved for. Rows that need each other in a circle, the first
+///   for the second's node and the second for the first's, cannot be solved one by one.
 struct EdgeNode {
   struct Entry {
     Index node = 0;
