@@ -12,6 +12,7 @@
 #include "interrupt.h"
 #include "report_command.h"
 #include "table.h"
+#include "terminal.h"
 
 namespace deform::app {
 namespace {
@@ -52,9 +53,9 @@ void print_dropped(const Comparison& comparison) {
 }
 
 void print_comparison(const Comparison& comparison, const std::filesystem::path& folder) {
-  fmt::print("{}\n", folder.string());
+  say("{}\n", folder.string());
   print_table(comparison_table(comparison, kTableWidth));
-  fmt::print("\n");
+  say("\n");
   for (const std::string& sentence : comparison.sentences)
     print_wrapped("  ", sentence, kTableWidth);
   print_dropped(comparison);
@@ -68,7 +69,7 @@ bool print_claims(const std::vector<Claim>& claims, bool quiet) {
     const std::string line = fmt::format("{}: {} ({})", claim.holds ? "holds" : "does not hold",
                                          claim.text, claim.explanation);
     if (!claim.holds)
-      fmt::print(stderr, "deform: {}\n", line);
+      complain("{}", line);
     else if (!quiet)
       print_wrapped("  ", line, kTableWidth);
   }
@@ -114,7 +115,7 @@ int compare_scene(CompareCommand command, const std::vector<std::filesystem::pat
   const AddedReport report = add_report(runner.folder);
   if (!command.quiet) {
     print_comparison(comparison, runner.folder);
-    fmt::print("  report: {}\n", report.told);
+    say("  report: {}\n", report.told);
   }
   const bool all_hold = print_claims(comparison.claims, command.quiet);
   if (print_failures(comparison)) return static_cast<int>(ExitCode::internal_error);

@@ -1,9 +1,10 @@
 /// The command line program: what it is told, and what it ends with.
 #include <cstdlib>
+#include <dlfcn.h>
 #include <exception>
 #include <filesystem>
 #include <memory>
-#include <optional>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -13,6 +14,7 @@
 #include <tbb/global_control.h>
 
 #include "deform/error.h"
+#include "deform/plugin/process_end.h"
 #include "deform/plugin/registry.h"
 #include "deform/version.h"
 
@@ -25,6 +27,7 @@
 #include "report_error.h"
 #include "run_command.h"
 #include "schema_command.h"
+#include "terminal.h"
 #include "validate_command.h"
 
 namespace deform::app {
@@ -275,6 +278,16 @@ CLI::App& add_schema(CLI::App& app, Arguments& arguments) {
   return schema;
 }
 
+/// One rule for all that makes threads: TBB, which the framework uses, and OpenMP, which what a
+/// plugin links may use. BLAS is on one thread: see main.
+std::unique_ptr<tbb::global_control> limit_threads(std::size_t threads) {
+  using SetThreads = void(int);
+  if (auto* const set_openmp = dlsym(RTLD_DEFAULT, "omp_set_num_threads"))
+    reinterpret_cast<SetThreads*>(set_openmp)(static_cast<int>(threads));
+  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                               threads);
+}
+
 /// Names of files start from it; one may have been removed under the shell.
 void require_working_folder() {
   std::error_code error;
@@ -305,14 +318,16 @@ int execute(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     // Help and version are "errors" with code 0; all others are bad input, whatever CLI11's own
     // code.
-    return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+    std::ostringstream help, trouble;
+    const bool is_asked_for = app.exit(e, help, trouble) == 0;
+    put_lines(help.str());
+    std::istringstream lines(trouble.str());
+    for (std::string line; std::getline(lines, line);) put_message(printable(line) + '\n');
+    return is_asked_for ? 0 : static_cast<int>(ExitCode::bad_input);
   }
 
   require_working_folder();
-  std::optional<tbb::global_control> threads;
-  if (arguments.threads > 0) {
-    threads.emplace(tbb::global_control::max_allowed_parallelism, arguments.threads);
-  }
+  const auto limit = arguments.threads > 0 ? limit_threads(arguments.threads) : nullptr;
   static ProgressBar bar;  // the logger, which outlives this function, writes past it
   log_above(bar);
   if (plugin.got_subcommand("new")) return new_plugin(arguments.new_plugin);
@@ -332,12 +347,18 @@ int execute(int argc, char** argv) {
 }  // namespace deform::app
 
 int main(int argc, char** argv) {
+  deform::app::occupy_standard_streams();
+  deform::watch_process_end();
   // Before any plugin brings OpenBLAS with it: its threads get in the way of ours, and let results
   // depend on their number.
   ::setenv("OPENBLAS_NUM_THREADS", "1", 0);
+  int code = 0;
   try {
-    return deform::app::finish_output(deform::app::execute(argc, argv));
+    code = deform::app::execute(argc, argv);
   } catch (...) {
-    return deform::app::report_current_error();
+    code = deform::app::report_current_error();
   }
+  code = deform::app::finish_output(code);
+  deform::expect_process_end();
+  return code;
 }

@@ -11,6 +11,7 @@
 
 #include "plugin_command.h"
 #include "templates.h"
+#include "terminal.h"
 
 namespace deform::app {
 namespace {
@@ -109,6 +110,14 @@ void check(const NewPlugin& what, const fs::path& folder) {
                     "z and go on with these, digits and underscores",
                     what.name));
   }
+  const PluginRegistry registry;
+  for (const PluginFile& file : registry.files()) {
+    if (name_of(file.kind) != what.kind || file.name != what.name) continue;
+    throw InputError(
+        fmt::format("there is a plugin {}/{} already, {}: a scene that names it could mean either, "
+                    "and would be refused; choose another name",
+                    what.kind, what.name, file.path.string()));
+  }
   if (fs::exists(fs::symlink_status(folder))) {
     throw InputError(fmt::format("{} exists: name another folder with --out", folder.string()));
   }
@@ -140,8 +149,7 @@ int new_plugin(const NewPlugin& what) {
   write(folder / "scene.json", scene_text(what.kind, what.name));
 
   const std::string where = folder.string();
-  fmt::print(
-      "{0}: a plugin {1}/{2} that works; change {2}.cpp to make it yours\n\n"
+  say("{0}: a plugin {1}/{2} that works; change {2}.cpp to make it yours\n\n"
       "  cmake -S {0} -B {0}/build && cmake --build {0}/build\n"
       "  deform plugin check {0}/build/{1}-{2}.so\n"
       "  deform run {0}/scene.json --plugin-path {0}/build --out {0}/run\n",

@@ -8,11 +8,13 @@
 #include "deform/error.h"
 #include "deform/report/report.h"
 
+#include "terminal.h"
+
 namespace deform::app {
 
 int write_reports(const std::filesystem::path& folder, bool png) {
-  fmt::print("{}\n", write_report(folder).string());
-  if (png) fmt::print("{}\n", write_contact_sheet(folder).string());
+  say("{}\n", write_report(folder).string());
+  if (png) say("{}\n", write_contact_sheet(folder).string());
   return static_cast<int>(ExitCode::done);
 }
 

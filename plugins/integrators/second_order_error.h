@@ -18,6 +18,12 @@ class SecondOrderError {
     step_ = to.time - from.time;
     acceleration_ = (to.v - from.v) / step_;
   }
+  /// Where there is no step before: the acceleration at the time itself, which counts as that of a
+  /// last step of length 0.
+  void start(const NodeVectors& acceleration) {
+    step_ = 0;
+    acceleration_ = acceleration;
+  }
   void forget() { acceleration_.resize(0, 3); }
   [[nodiscard]] bool is_known() const { return acceleration_.rows() > 0; }
 

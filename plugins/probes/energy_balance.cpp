@@ -3,13 +3,16 @@
 /// not the gradient of an energy).
 ///
 /// Forces count by the mean of both ends of a step, times the way in between: exact where they
-/// change linearly along it. What prescribed components are pushed by is what is missing in the
-/// equation of motion there, m a = f + damping + reaction. Its inertia counts by the mean velocity
-/// of the step instead, m (v⁺ − v) · (v + v⁺)/2: that is the change of kinetic energy exactly, also
-/// where a prescribed velocity jumps.
+/// change linearly along it. Where loads or supports are not smooth in time within a step, its
+/// parts count one by one, and a load that jumps at the end of one counts before the jump for that
+/// one and after it for the next. What prescribed components are pushed by is what is missing in
+/// the equation of motion there, m a = f + damping + reaction. Its inertia counts by the mean
+/// velocity of the step instead, m (v⁺ − v) · (v + v⁺)/2: that is the change of kinetic energy
+/// exactly, also where a prescribed velocity jumps.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <deform/model/reduction.h>
@@ -19,6 +22,10 @@
 namespace {
 
 using namespace deform;
+
+/// Part of a step by which times of breaks may be wrong.
+constexpr double kRounding = 1e-9;
+
 double dot(const NodeVectors& a, const NodeVectors& b) { return a.cwiseProduct(b).sum(); }
 
 /// A state, and the forces there (each N × 3) [N].
@@ -54,10 +61,12 @@ class EnergyBalance final : public Probe {
   }
 
   void follow(const Frame& frame) override {
-    if (!started_) return start(frame);
-    Instant now = instant(frame);
-    add_step(frame, now);
-    last_ = std::move(now);
+    add_part(frame, frame.step_size - counted_);
+    counted_ = 0;
+  }
+  void follow_break(const Frame& frame) override {
+    add_part(frame, frame.step_size);
+    counted_ += frame.step_size;
   }
 
   void measure(const Frame& frame, Values figures) override {
@@ -133,11 +142,34 @@ class EnergyBalance final : public Probe {
     account_.first = account_.largest_kinetic + internal(frame);
   }
 
-  void add_step(const Frame& frame, const Instant& now) {
+  /// A step, or the part of it that ends with this frame, `length` [s].
+  void add_part(const Frame& frame, double length) {
+    if (!started_) return start(frame);
+    Instant now = instant(frame);
+    const std::optional<NodeVectors> after = load_after_break(frame, length, now);
+    add_work(frame, length, now);
+    last_ = std::move(now);
+    if (after) last_.load = *after;
+  }
+
+  /// At a break makes the load that before it; returns that after it.
+  [[nodiscard]] static std::optional<NodeVectors> load_after_break(const Frame& frame,
+                                                                   double length, Instant& now) {
+    const double time = frame.state.time;
+    const double rounding =
+        kRounding * length + 16 * std::numeric_limits<double>::epsilon() * std::abs(time);
+    if (!(frame.system.next_break(time - rounding) <= time + rounding)) return {};
+    State beside = frame.state;
+    beside.time = time - 2 * rounding;
+    now.load = frame.system.external_force(beside);
+    beside.time = time + 2 * rounding;
+    return frame.system.external_force(beside);
+  }
+
+  void add_work(const Frame& frame, double length, const Instant& now) {
     const NodeVectors way = now.r - last_.r;
     const double loads = 0.5 * dot(last_.load + now.load, way);
-    const double damping =
-        -0.5 * (dot(last_.damping, last_.v) + dot(now.damping, now.v)) * frame.step_size;
+    const double damping = -0.5 * (dot(last_.damping, last_.v) + dot(now.damping, now.v)) * length;
     const double constraints = any_prescribed_ ? work_of_constraints(frame, now, way) : 0;
     account_.loads += loads;
     account_.damping += damping;
@@ -172,6 +204,7 @@ class EnergyBalance final : public Probe {
   std::optional<ReductionMap> reduction_;
   bool any_prescribed_ = false;
   bool started_ = false;
+  double counted_ = 0;  // of the step under way, by calls of follow_break [s]
   Account account_;
   Instant last_;
 };

@@ -3,16 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <map>
+#include <set>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/parallel.h"
+#include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 
 #include "compare/comparison_files.h"
@@ -20,9 +24,8 @@
 #include "compare/figures.h"
 #include "compare/verdict.h"
 #include "simulation/files.h"
-#include "simulation/folder_lock.h"
+#include "simulation/held_folder.h"
 #include "simulation/json_file.h"
-#include "simulation/old_run.h"
 #include "simulation/run_directory.h"
 
 namespace deform {
@@ -34,22 +37,21 @@ namespace fs = std::filesystem;
 void check_resumable(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder, error) && !error) return;
-  if (has_old_run(folder)) return;  // it is given back
   const Json manifest = read_json_object(folder / kManifestFile);
   if (!manifest.is_object() || manifest.value("kind", Json()) != "comparison")
     throw InputError(
         fmt::format("cannot resume in '{}': it is not a comparison directory", folder.string()));
 }
 
-std::vector<std::string> names_of(const ComparisonPlan& plan) {
-  std::vector<std::string> names;
-  for (const PlannedRun& run : plan.runs) names.push_back(run.name);
-  return names;
-}
-
-std::size_t number_of_reference(const ComparisonPlan& plan) {
-  return static_cast<std::size_t>(std::ranges::find(plan.runs, plan.reference, &PlannedRun::name) -
-                                  plan.runs.begin());
+/// Number of the run that the others are measured against: the planned reference if it ended as
+/// done, else the first run that did; one that diverged is no measure of others.
+std::size_t number_of_reference(const ComparisonPlan& plan,
+                                const std::vector<RunOutcome>& outcomes) {
+  const auto planned = static_cast<std::size_t>(
+      std::ranges::find(plan.runs, plan.reference, &PlannedRun::name) - plan.runs.begin());
+  if (outcomes[planned].status == status_of(ExitCode::done)) return planned;
+  const auto done = std::ranges::find(outcomes, status_of(ExitCode::done), &RunOutcome::status);
+  return done == outcomes.end() ? planned : static_cast<std::size_t>(done - outcomes.begin());
 }
 
 /// Size of the surface [m]: the reference's, or that of any run that has states.
@@ -96,11 +98,15 @@ void say_what_is_left_over(const fs::path& folder, const ComparisonPlan& plan) {
                   folder.string(), fmt::join(names, ", ")));
 }
 
-std::vector<MeasuredRun> measure(const ComparisonPlan& plan, const fs::path& folder,
+std::vector<MeasuredRun> measure(const ComparisonPlan& plan, std::size_t reference,
+                                 const RunnerOptions& options,
                                  const std::vector<RunOutcome>& outcomes) {
-  const std::size_t reference = number_of_reference(plan);
+  const fs::path& folder = options.folder;
   std::vector<MeasuredRun> measured(plan.runs.size());
-  tbb::parallel_for(std::size_t{0}, measured.size(), [&](std::size_t i) {
+  parallel_blocks(static_cast<Index>(measured.size()), 1, [&](Index number, Index /*one*/) {
+    const auto i = static_cast<std::size_t>(number);
+    if (options.interrupted != nullptr && options.interrupted->load())
+      throw Error(ExitCode::interrupted, "interrupted; --resume goes on from there");
     measured[i].recorded = read_outcome(folder / plan.runs[i].name, outcomes[i]);
     if (i == reference) return;
     // Each has the reference to itself: a trajectory is read by one thread at a time.
@@ -111,16 +117,20 @@ std::vector<MeasuredRun> measure(const ComparisonPlan& plan, const fs::path& fol
 }
 
 Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan,
-                    std::vector<RunOutcome> outcomes, const std::vector<MeasuredRun>& measured) {
-  const std::size_t reference = number_of_reference(plan);
+                    std::size_t reference, std::vector<RunOutcome> outcomes,
+                    const std::vector<MeasuredRun>& measured) {
   Comparison comparison;
-  comparison.reference = plan.reference;
+  comparison.reference = plan.runs[reference].name;
+  comparison.planned_reference = plan.reference;
   comparison.tolerance = options.request.tolerance > 0 ? options.request.tolerance
                                                        : plan.runs.front().scene.tolerance *
                                                              surface_size(measured, reference);
+  std::map<std::string_view, std::string> first_of;  // name of the first run of a scene
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     RunComparison run;
     run.name = plan.runs[i].name;
+    const auto [first, is_new] = first_of.try_emplace(plan.runs[i].scene.completed, run.name);
+    if (!is_new) run.same_as = first->second;
     run.outcome = std::move(outcomes[i]);
     run.dropped = plan.runs[i].scene.dropped;
     run.is_reference = i == reference;
@@ -135,6 +145,18 @@ Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan
     comparison.runs.push_back(std::move(run));
   }
   return comparison;
+}
+
+/// What several variants share is said once.
+void warn_of_remarks(const ComparisonPlan& plan) {
+  std::set<std::string> said;
+  for (const PlannedRun& run : plan.runs)
+    for (const Problem& remark : remarks(run.scene)) {
+      const std::string front = run.scene.located({remark.pointer, ""}).message;
+      const bool has_place = remark.message.starts_with(front);
+      const std::string bare = remark.message.substr(has_place ? front.size() : 0);
+      if (said.insert(bare).second) log::warn(remark.message);
+    }
 }
 
 }  // namespace
@@ -161,69 +183,48 @@ std::vector<Figure> probe_columns(const Comparison& comparison) {
 
 namespace {
 
-/// A comparison's folder, held while it is made.
-class Folder {
- public:
-  Folder(const fs::path& folder, bool resume, bool force) : folder_(folder), resume_(resume) {
-    require_unheld(folder);
-    if (resume) {
-      check_resumable(folder);
-    } else {
-      check_run_directory(folder, force);
-    }
-    std::error_code error;
-    if (!fs::is_directory(folder, error)) return;
-    lock_.emplace(folder);
-    give_old_run_back(folder);
-    if (resume) check_resumable(folder);
-  }
-
-  /// An older comparison stays, set aside, until a run of the new one has taken a step.
-  void prepare() {
-    std::error_code error;
-    if (!lock_) {
-      if (!fs::is_directory(folder_, error)) make_run_directory(folder_);
-      lock_.emplace(folder_);
-    }
-    if (!resume_ && !holds_nothing(folder_)) set_old_run_aside(folder_);
-  }
-
-  [[nodiscard]] bool has_old() const { return has_old_run(folder_); }
-  void drop_old() const { drop_old_run(folder_); }
-  void give_old_back() const { give_old_run_back(folder_); }
-
- private:
-  const fs::path& folder_;
-  bool resume_;
-  std::optional<FolderLock> lock_;
-};
-
 /// No run of a comparison that replaces another one took a step.
-[[noreturn]] void keep_old(const Folder& folder, const ComparisonPlan& plan,
-                           const std::vector<RunOutcome>& outcomes) {
-  folder.give_old_back();
-  const RunOutcome& first = outcomes.front();
-  throw Error(first.status == status_of(ExitCode::diverged)        ? ExitCode::diverged
-              : first.status == status_of(ExitCode::plugin_failed) ? ExitCode::plugin_failed
-                                                                   : ExitCode::internal_error,
-              fmt::format("no run took a step ({}: {} {}); the comparison that was there stays",
-                          plan.runs.front().name, first.status, first.reason));
+Error refusal_to_replace(const ComparisonPlan& plan, const RunOutcome& first) {
+  const ExitCode code = first.status == status_of(ExitCode::diverged) ? ExitCode::diverged
+                        : first.status == status_of(ExitCode::plugin_failed)
+                            ? ExitCode::plugin_failed
+                            : ExitCode::internal_error;
+  return {code, fmt::format("no run took a step ({}: {} {}); the comparison that was there stays",
+                            plan.runs.front().name, first.status, first.reason)};
 }
 
-/// Runs what is planned; an older comparison is given back where that came to nothing.
+/// Runs what is planned. Until the first step of any run an older comparison is there, and comes
+/// back where that is never taken.
 std::vector<RunOutcome> execute(const ComparisonOptions& options, const ComparisonPlan& plan,
-                                const PluginRegistry& registry, const Folder& folder) {
+                                const PluginRegistry& registry, HeldFolder& held) {
   RunnerOptions runner = options.runner;
-  runner.first_step = [&folder] { folder.drop_old(); };
+  runner.first_step = [&held] { held.drop_old(); };
   std::vector<RunOutcome> outcomes;
   try {
     outcomes = execute_runs(plan.runs, registry, runner);
   } catch (...) {
-    if (folder.has_old()) folder.give_old_back();
+    (void)held.give_old_back();
     throw;
   }
-  if (folder.has_old()) keep_old(folder, plan, outcomes);
+  if (held.give_old_back()) throw refusal_to_replace(plan, outcomes.front());
   return outcomes;
+}
+
+/// What comes before the first run; an older comparison is there until then.
+void begin(const ComparisonOptions& options, const ComparisonPlan& plan, HeldFolder& held) {
+  const fs::path& folder = options.runner.folder;
+  try {
+    if (options.runner.resume)
+      held.take();
+    else
+      held.begin_anew();
+    // First: from here on the folder is known as a comparison's.
+    write_atomically(folder / kManifestFile, manifest_json(options, plan, "running"));
+  } catch (...) {
+    (void)held.give_old_back();
+    throw;
+  }
+  say_what_is_left_over(folder, plan);
 }
 
 }  // namespace
@@ -231,30 +232,28 @@ std::vector<RunOutcome> execute(const ComparisonOptions& options, const Comparis
 Comparison compare(const ComparisonOptions& options,
                    const std::shared_ptr<const PluginRegistry>& registry) {
   const fs::path& folder = options.runner.folder;
-  Folder held(folder, options.runner.resume, options.force);
-  const ComparisonPlan plan = plan_comparison(options.request, registry);
+  HeldFolder held(folder, options.runner.resume ? FolderUse::resumed
+                          : options.force       ? FolderUse::replaced
+                                                : FolderUse::made);
+  if (options.runner.resume) check_resumable(folder);
+  const ComparisonPlan plan =
+      plan_comparison(options.request, registry, options.runner.interrupted);
   std::vector<std::string> claims;
-  if (!options.expectation.empty()) claims = read_claims(options.expectation, names_of(plan));
+  if (!options.expectation.empty()) claims = read_claims(options.expectation, plan);
 
-  held.prepare();
-  try {
-    // First: from here on the folder is known as a comparison's.
-    write_atomically(folder / kManifestFile, manifest_json(options, plan, "running"));
-  } catch (...) {
-    held.give_old_back();
-    throw;
-  }
+  begin(options, plan, held);
+  warn_of_remarks(plan);
   for (const PlannedRun& run : plan.runs)
     for (const std::string& pointer : run.scene.dropped)
       log::info(fmt::format("{}: {} is dropped: the plugin put in has no such parameter", run.name,
                             pointer));
-  say_what_is_left_over(folder, plan);
 
   std::vector<RunOutcome> outcomes = execute(options, plan, *registry, held);
-  const std::vector<MeasuredRun> measured = measure(plan, folder, outcomes);
-  Comparison comparison = conclude(options, plan, std::move(outcomes), measured);
+  const std::size_t reference = number_of_reference(plan, outcomes);
+  const std::vector<MeasuredRun> measured = measure(plan, reference, options.runner, outcomes);
+  Comparison comparison = conclude(options, plan, reference, std::move(outcomes), measured);
   comparison.sentences = sentences_of(comparison);
-  comparison.claims = check_claims(claims, comparison.runs);
+  comparison.claims = check_claims(claims, comparison);
 
   write_atomically(folder / "comparison.csv", comparison_csv(comparison, measured));
   write_atomically(folder / "cost.csv", cost_csv(comparison, measured));

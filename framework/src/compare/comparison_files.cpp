@@ -136,6 +136,7 @@ std::string summary_json(const Comparison& comparison, const ComparisonPlan& pla
   Json json = {{"kind", "comparison"},
                {"title", plan.runs.front().scene.title},
                {"reference", comparison.reference},
+               {"planned_reference", comparison.planned_reference},
                {"tolerance", {{"value", comparison.tolerance}, {"unit", "m"}}},
                {"verdict", verdict_json(comparison)},
                {"claims", Json::array()},
@@ -151,6 +152,7 @@ std::string summary_json(const Comparison& comparison, const ComparisonPlan& pla
                                 {"reason", run.outcome.reason},
                                 {"changes", changes_json(plan.runs[i].scene)},
                                 {"dropped", run.dropped},
+                                {"same_as", run.same_as},
                                 {"not_measured", run.impossible},
                                 {"parts", json_of(run.parting)},
                                 {"figures", figures_json(run.figures)}});

@@ -113,7 +113,8 @@ RecordedRun read_run(const fs::path& folder) {
 std::vector<std::pair<std::size_t, std::size_t>> same_times(const std::vector<Moment>& a,
                                                             const std::vector<Moment>& b) {
   const double finest = std::min(spacing(a), spacing(b));
-  const double slack = std::isfinite(finest) ? 1e-6 * finest : 1e-9;
+  const double latest = std::max(a.empty() ? 0 : a.back().time, b.empty() ? 0 : b.back().time);
+  const double slack = std::isfinite(finest) ? 1e-6 * finest : 1e-9 * latest;
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
     const double apart = a[i].time - b[j].time;

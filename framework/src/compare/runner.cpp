@@ -72,6 +72,13 @@ Found look_for(const PlannedRun& run, const fs::path& folder, const PluginRegist
   return can_go_on(run, folder, registry) ? Found::begun : Found::nothing;
 }
 
+/// Of a run whose process came to no end of its own: a plugin may have ended it.
+const char* status_without_summary(int code) {
+  if (code == static_cast<int>(ExitCode::bad_input)) return "refused";
+  if (code == static_cast<int>(ExitCode::plugin_failed)) return status_of(ExitCode::plugin_failed);
+  return "failed";
+}
+
 RunOutcome outcome_of(const fs::path& folder, const ChildExit& exit) {
   RunOutcome outcome;
   const Json summary = read_json_object(folder / "summary.json");
@@ -85,8 +92,10 @@ RunOutcome outcome_of(const fs::path& folder, const ChildExit& exit) {
     outcome.status = text_of(summary, "status");
     outcome.reason = text_of(summary, "reason");
   } else {
-    outcome.status = exit.code == static_cast<int>(ExitCode::bad_input) ? "refused" : "failed";
+    outcome.status = status_without_summary(exit.code);
     outcome.reason = exit.said.substr(0, exit.said.find_last_not_of('\n') + 1);
+    if (outcome.reason.empty())
+      outcome.reason = fmt::format("the program ended with code {} before the run did", exit.code);
   }
   return outcome;
 }

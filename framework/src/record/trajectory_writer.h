@@ -28,7 +28,8 @@ class TrajectoryWriter {
   WrittenFile close();
 
  private:
-  [[nodiscard]] std::string header(const Surface& surface, double size) const;
+  [[nodiscard]] std::string header(const Surface& surface, const NodeValues& areas,
+                                   double size) const;
 
   NodeFields fields_;
   AppendFile file_;

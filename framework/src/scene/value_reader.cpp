@@ -102,6 +102,7 @@ void ValueReader::missing_member(Json& object, const ParameterField& field,
     return;
   }
   values.set(field.name, field.default_value);
+  if (field.optional) return;
   Json json = to_json(field.default_value);
   if (json.is_null()) return;
   const ValuePlace place{field, child_pointer(pointer, field.name)};
@@ -173,7 +174,8 @@ PluginUse ValueReader::plugin(Json& json, PluginKind kind, const std::string& po
     use.parameters = std::make_shared<const ParameterValues>(plugin_members(json, plugin, pointer));
   } catch (const InputError& error) {
     const std::string place = is_short ? pointer : child_pointer(pointer, kPluginKey);
-    for (const Problem& problem : error.problems()) problems_.add(place, problem.message);
+    for (const Problem& problem : error.problems())
+      problems_.add_missing_plugin(place, problem.message);
   }
   return use;
 }

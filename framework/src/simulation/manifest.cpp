@@ -167,10 +167,28 @@ void Manifest::add_result(const WrittenFile& file) {
   json_["results"].push_back({{"file", file.name}, {"bytes", file.bytes}, {"sha256", file.sha256}});
 }
 
+namespace {
+
+/// A host or file name need not be UTF-8.
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace
+
+Manifest::IfProcessEnds Manifest::if_process_ends() const {
+  constexpr std::string_view kPlace = "\"reason\": \"\"";
+  Json json = json_;
+  json["status"] = status_of(ExitCode::plugin_failed);
+  json["exit_code"] = static_cast<int>(ExitCode::plugin_failed);
+  json["reason"] = "";
+  const std::string text = text_of(json);
+  const std::size_t place = text.find(kPlace) + kPlace.size();
+  return {text.substr(0, place - 2), text.substr(place)};
+}
+
 void Manifest::write(const std::filesystem::path& folder) const {
-  // A host or file name need not be UTF-8.
-  write_atomically(folder / kManifestFile,
-                   json_.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  write_atomically(folder / kManifestFile, text_of(json_));
 }
 
 }  // namespace deform

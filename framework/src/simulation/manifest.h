@@ -37,6 +37,11 @@ class Manifest {
   /// A file that the run has written to its end.
   void add_result(const WrittenFile& file);
   void finish(const RunResult& result, const std::string& solver_choice);
+  /// The text with the status "plugin failed", and where in it the reason stands, which is "".
+  struct IfProcessEnds {
+    std::string before, after;
+  };
+  [[nodiscard]] IfProcessEnds if_process_ends() const;
   /// Throws Error when it cannot be written.
   void write(const std::filesystem::path& folder) const;
 

@@ -115,6 +115,15 @@ void ProbeRecorder::follow(const Frame& frame) {
   }
 }
 
+void ProbeRecorder::follow_break(const Frame& frame) {
+  const Span probes("probes");
+  for (const Entry& entry : probes_) {
+    const Span span(entry.probe.name);
+    guarded(entry.probe.origin, "following a step",
+            [&] { entry.probe.object->follow_break(frame); });
+  }
+}
+
 void ProbeRecorder::measure(const Entry& entry, const Frame& frame) {
   const Span span(entry.probe.name);
   figures_.assign(entry.size + kMargin, kUnwritten);

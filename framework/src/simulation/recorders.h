@@ -37,6 +37,8 @@ class ProbeRecorder {
   std::optional<WrittenFile> close();
   /// To be called after every step.
   void follow(const Frame& frame);
+  /// To be called within a step where it is not smooth.
+  void follow_break(const Frame& frame);
   [[nodiscard]] bool due(long step) const;
   /// Writes a row with the figures that are due at this step, or all; no row when none is due, or
   /// when the step has one already.

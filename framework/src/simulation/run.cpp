@@ -14,22 +14,24 @@
 #include <fmt/format.h>
 
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 
+#include "plugin/process_end.h"
 #include "profile/profile.h"
 #include "record/trajectory_writer.h"
 #include "scene/json.h"
 #include "simulation/checkpoint.h"
 #include "simulation/files.h"
-#include "simulation/folder_lock.h"
+#include "simulation/held_folder.h"
 #include "simulation/manifest.h"
 #include "simulation/memory_sections.h"
-#include "simulation/old_run.h"
 #include "simulation/resumption.h"
 #include "simulation/run_directory.h"
 #include "simulation/run_log.h"
 #include "simulation/run_parts.h"
 #include "simulation/scene_files.h"
 #include "simulation/sha256.h"
+#include "simulation/step_watch.h"
 #include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 
@@ -39,6 +41,7 @@ namespace {
 constexpr const char *kProbesFile = "probes.csv", *kSummaryFile = "summary.json";
 /// Where a checkpoint keeps the steps between frames.
 constexpr const char* kFrameInterval = "trajectory/interval";
+constexpr const char* kNothingWritten = "interrupted before the first step; nothing was written";
 /// What a profiled run leaves in its directory.
 constexpr const char *kProfileTable = "profile.txt", *kProfileTrace = "trace.json";
 
@@ -64,28 +67,35 @@ class Recording {
  public:
   /// Throws InputError when the scene or the checkpoint cannot be used; writes nothing.
   Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-            const RunOptions& options, Manifest manifest, Resumption found,
-            std::optional<FolderLock> lock);
+            const RunOptions& options, Manifest manifest, Resumption found, HeldFolder held,
+            StepWatch& watch);
   RunResult execute();
 
  private:
   void load_checkpoint();
   void require_unchanged_files() const;
-  void prepare_folder();
-  void take_folder();
   void begin_folder();
   void start();
   void open_trajectory();
   void step_to_end();
+  void step();
+  /// The step under way never ends: the directory is finished without it, and the process left.
+  void give_step_up();
   /// What comes between two steps. Returns whether there is a next one.
   [[nodiscard]] bool settle();
   void save_checkpoint();
+  void keep_checkpoint();
+  [[nodiscard]] Checkpoint make_checkpoint();
+  void write(const Checkpoint& checkpoint);
+  void end_within_step();
   void record(bool all_probes, bool all_outputs);
   [[nodiscard]] bool frame_due(long step) const;
   /// Calls action(frame); what it makes the System compute counts as output, not as the model's
   /// time.
   template <class Action>
   void apart_from_model(const Action& action);
+  template <class Action>
+  void apart_from_model(const Frame& frame, const Action& action);
   void end_with(ExitCode code, const std::string& reason);
   void end_with(const Error& error);
   void finish();
@@ -107,7 +117,7 @@ class Recording {
   const Scene& scene_;
   const RunOptions& options_;
   std::filesystem::path folder_;
-  std::optional<FolderLock> lock_;
+  HeldFolder held_;
   Manifest manifest_;
   Resumption found_;
   RunParts parts_;
@@ -116,7 +126,14 @@ class Recording {
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Profile> profile_;
   CheckpointSchedule schedule_;
-  bool has_set_aside_ = false;  // an old run, until the first step
+  StepWatch& watch_;
+  /// What to go on from if the step under way is thrown away; of long steps alone.
+  std::optional<Checkpoint> before_step_;
+  std::chrono::steady_clock::duration last_step_{0};
+  std::optional<std::chrono::steady_clock::time_point> stepping_since_;
+  StepTimes times_before_step_;  // the step that is given up may still write the System's
+  bool gave_step_up_ = false;
+  std::optional<LastNote> last_note_;
   long frame_interval_;
   long checkpoint_step_ = -1;  // of the checkpoint in the folder
   std::optional<Diverged> divergence_;
@@ -126,16 +143,18 @@ class Recording {
 
 Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
                      const RunOptions& options, Manifest manifest, Resumption found,
-                     std::optional<FolderLock> lock)
+                     HeldFolder held, StepWatch& watch)
     : scene_(scene),
       options_(options),
       folder_(std::filesystem::absolute(options.folder)),
-      lock_(std::move(lock)),
+      held_(std::move(held)),
       manifest_(std::move(manifest)),
       found_(std::move(found)),
       parts_(make_run_parts(scene, registry)),
       schedule_(scene),
+      watch_(watch),
       frame_interval_(scene.frame_interval()) {
+  parts_.simulation->stop_when(&watch_.stop());
   require_unchanged_files();
   context_.emplace(make_run_context(parts_, folder_));
   if (found_.checkpoint) context_->resumed_at = found_.checkpoint->step;
@@ -172,34 +191,17 @@ void Recording::require_unchanged_files() const {
   }
 }
 
-/// A folder that was not there before: another process may have made it meanwhile.
-void Recording::take_folder() {
-  std::error_code error;
-  if (!std::filesystem::is_directory(folder_, error)) make_run_directory(folder_);
-  lock_.emplace(folder_);
-  if (!holds_nothing(folder_)) check_run_directory(folder_, options_.force || options_.resume);
-}
-
-void Recording::prepare_folder() {
-  if (!lock_) take_folder();
-  if (found_.checkpoint) {
-    remove_half_written(folder_);
-  } else if (options_.force && !options_.resume && !holds_nothing(folder_)) {
-    has_set_aside_ = true;
-    set_old_run_aside(folder_);
-  } else {
-    make_run_directory(folder_);
-  }
-  manifest_.write(folder_);  // first: from here on the folder is known as one of ours
-}
-
-/// Throws where nothing can be written; the old run is then still there.
+/// Throws where nothing can be written; an old run is then still there.
 void Recording::begin_folder() {
   try {
-    prepare_folder();
+    if (found_.checkpoint)
+      remove_half_written(folder_);
+    else
+      held_.begin_anew();
+    manifest_.write(folder_);  // first: from here on the folder is known as one of ours
     log_.emplace(folder_ / "log.txt", found_.checkpoint.has_value());
   } catch (...) {
-    if (has_set_aside_) give_old_run_back(folder_);
+    (void)held_.give_old_back();
     throw;
   }
 }
@@ -207,6 +209,7 @@ void Recording::begin_folder() {
 RunResult Recording::execute() {
   begin_folder();
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
+  for (const Problem& remark : remarks(scene_)) log::warn(remark.message);
   if (found_.checkpoint) {
     log::info(fmt::format("resumed after step {}", checkpoint_step_));
     manifest_.resume(checkpoint_step_);
@@ -216,29 +219,37 @@ RunResult Recording::execute() {
   } else if (options_.resume && !found_.planned) {
     log::warn(fmt::format("there is no checkpoint in {}: the run starts anew", folder_.string()));
   }
+  for (const Problem& remark : remarks_on(parts_)) log::warn(remark.message);
+  const auto [before, after] = manifest_.if_process_ends();
+  last_note_.emplace(folder_ / kManifestFile, before, after);
   try {
     write_atomically(folder_ / "scene.json", scene_text(scene_, folder_));
     for (const std::string& note : parts_.simulation->system().notes()) log::info(note);
     start();
     const Profile::Active active(profile_ ? &*profile_ : nullptr);
-    const Stopwatch watch(result_.stepping_seconds, "run");
+    const Span span("run");
+    parts_.simulation->system().times() = {};
+    stepping_since_ = std::chrono::steady_clock::now();
     step_to_end();
   } catch (const Diverged& e) {
     divergence_ = e;
     end_with(e);
   } catch (const Error& e) {
-    end_with(e);
+    if (e.code() == ExitCode::interrupted)
+      end_within_step();
+    else
+      end_with(e);
   } catch (const std::exception& e) {
     end_with(ExitCode::internal_error, e.what());
   }
   finish();
-  if (has_set_aside_) keep_old_run();
+  keep_old_run();
   return std::move(result_);
 }
 
-/// The new run ended before its first step.
+/// Where the new run ended before its first step, and there is an old one.
 void Recording::keep_old_run() {
-  give_old_run_back(folder_);
+  if (!held_.give_old_back()) return;
   result_.kept_old_run = true;
   result_.reason += fmt::format("; the run that was in '{}' stays", options_.folder.string());
 }
@@ -258,16 +269,47 @@ void Recording::open_trajectory() {
 }
 
 void Recording::step_to_end() {
-  Simulation& simulation = *parts_.simulation;
   while (settle()) {
-    simulation.step();
-    if (std::exchange(has_set_aside_, false)) drop_old_run(folder_);
-    if (!parts_.probes->none()) {
-      apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
-    }
+    const auto begun = std::chrono::steady_clock::now();
+    step();
+    last_step_ = std::chrono::steady_clock::now() - begun;
+    held_.drop_old();
     if (profile_) profile_->end_step();
-    if (options_.progress) options_.progress(simulation.steps(), scene_.steps());
+    if (options_.progress) options_.progress(parts_.simulation->steps(), scene_.steps());
   }
+}
+
+void Recording::step() {
+  const std::function<void()> give_up = [this] { give_step_up(); };
+  const StepWatch::Span watched(watch_, give_up);
+  times_before_step_ = parts_.simulation->system().times();
+  if (parts_.probes->none()) return parts_.simulation->step();
+  parts_.simulation->step([this](const Frame& at_break) {
+    apart_from_model(at_break, [&] { parts_.probes->follow_break(at_break); });
+  });
+  apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
+}
+
+void Recording::give_step_up() {
+  if (!options_.abandon) return;
+  gave_step_up_ = true;
+  end_within_step();
+  finish();
+  keep_old_run();
+  options_.abandon(result_);
+}
+
+/// The state is no longer, or not yet, one that a checkpoint could be made of.
+void Recording::end_within_step() {
+  and_also([this] {
+    if (before_step_) write(*before_step_);
+  });
+  end_with(ExitCode::interrupted,
+           fmt::format("interrupted within step {} of {}, which is thrown away; {}",
+                       parts_.simulation->steps() + 1, scene_.steps(),
+                       checkpoint_step_ >= 0
+                           ? fmt::format("--resume goes on after step {}", checkpoint_step_)
+                           : "there is no checkpoint yet"));
 }
 
 bool Recording::settle() {
@@ -276,6 +318,7 @@ bool Recording::settle() {
   const bool stop = !last && interrupted();
   // Before the recording: see Checkpoint. The last one serves who prolongs the run.
   if (last || stop || schedule_.due(step)) save_checkpoint();
+  keep_checkpoint();
   // A row too many goes when the run is resumed; a frame's files would stay.
   record(last || stop, last);
   if (stop) {
@@ -287,9 +330,21 @@ bool Recording::settle() {
 }
 
 void Recording::save_checkpoint() {
+  if (checkpoint_step_ == parts_.simulation->steps()) return;
+  const Stopwatch watch(parts_.simulation->system().times().output, "checkpoint");
+  write(make_checkpoint());
+}
+
+/// Long steps alone are thrown away, and next to them this costs nothing.
+void Recording::keep_checkpoint() {
+  before_step_.reset();
+  if (last_step_ <= StepWatch::kPatience || checkpoint_step_ == parts_.simulation->steps()) return;
+  const Stopwatch watch(parts_.simulation->system().times().output, "checkpoint");
+  before_step_ = make_checkpoint();
+}
+
+Checkpoint Recording::make_checkpoint() {
   Simulation& simulation = *parts_.simulation;
-  if (checkpoint_step_ == simulation.steps()) return;
-  const Stopwatch watch(simulation.system().times().output, "checkpoint");
   writing_.drain();  // files of earlier steps are there before what relies on them
   Checkpoint checkpoint;
   checkpoint.scene = identity_of(scene_.completed, manifest_.files());
@@ -303,6 +358,10 @@ void Recording::save_checkpoint() {
     checkpoint.files.push_back(trajectory_->sync());
     checkpoint.memory.put(kFrameInterval, {static_cast<double>(frame_interval_)});
   }
+  return checkpoint;
+}
+
+void Recording::write(const Checkpoint& checkpoint) {
   write_checkpoint(folder_, checkpoint);
   checkpoint_step_ = checkpoint.step;
   schedule_.restart();
@@ -311,10 +370,15 @@ void Recording::save_checkpoint() {
 template <class Action>
 void Recording::apart_from_model(const Action& action) {
   const Frame frame = parts_.simulation->frame();
+  apart_from_model(frame, [&] { action(frame); });
+}
+
+template <class Action>
+void Recording::apart_from_model(const Frame& frame, const Action& action) {
   const StepTimes model = frame.system.times();
   const double before = seconds();
   try {
-    action(frame);
+    action();
   } catch (const NotFinite& e) {
     throw e.at_step(frame.step, "recording");
   }
@@ -379,14 +443,18 @@ void Recording::finish() {
   if (divergence_ && divergence_->step() > parts_.simulation->steps()) {
     and_also([this] { record(true, true); });  // the last good state
   }
+  if (stepping_since_) {
+    const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - *stepping_since_;
+    result_.stepping_seconds = whole.count();
+  }
   and_also([this] { writing_.drain(); });
   and_also([this] { parts_.outputs->end(); });
-  if (profile_) and_also([this] { write_profile(); });
+  if (profile_ && !gave_step_up_) and_also([this] { write_profile(); });
   close_files();
 
   Simulation& simulation = *parts_.simulation;
   result_.steps = simulation.steps();
-  result_.times = simulation.system().times();
+  result_.times = gave_step_up_ ? times_before_step_ : simulation.system().times();
   result_.times.steps = simulation.steps() - result_.resumed_after;
   const auto& columns = parts_.probes->columns();
   for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -400,6 +468,7 @@ void Recording::finish() {
   result_.wall_seconds = seconds();
   log::info(fmt::format("{} after {} steps and {:.3f} s", status_of(result_.code), result_.steps,
                         result_.wall_seconds));
+  last_note_.reset();
   and_also([this] { log_->close(); });
   manifest_.finish(result_, simulation.system().solver_choice());
   and_also([this] { manifest_.write(folder_); });
@@ -453,32 +522,35 @@ RunResult already_finished(const Scene& scene, const std::filesystem::path& fold
   return result;
 }
 
-/// Holds a folder that is there, and undoes what a process that was killed has left half done.
-std::optional<FolderLock> hold(const std::filesystem::path& folder) {
-  std::optional<FolderLock> lock;
-  std::error_code error;
-  if (!std::filesystem::is_directory(folder, error)) return lock;
-  lock.emplace(folder);
-  give_old_run_back(folder);
-  return lock;
-}
-
 }  // namespace
 
 RunResult run(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
               const RunOptions& options) {
-  require_unheld(options.folder);
-  check_run_directory(options.folder, options.force || options.resume);
-  std::optional<FolderLock> lock = hold(options.folder);
+  HeldFolder held(options.folder, options.resume  ? FolderUse::resumed
+                                  : options.force ? FolderUse::replaced
+                                                  : FolderUse::made);
   Manifest manifest(scene, *registry, options);
   Resumption found;
   if (options.resume) {
     found = look_for_run(options.folder, scene, manifest);
     if (found.finished) return already_finished(scene, options.folder);
   }
-  return Recording(scene, std::move(registry), options, std::move(manifest), std::move(found),
-                   std::move(lock))
-      .execute();
+  StepWatch watch(options.interrupted);
+  std::optional<Recording> recording;
+  {
+    const std::function<void()> give_up = [&options] {
+      RunResult result;
+      result.code = ExitCode::interrupted;
+      result.reason = kNothingWritten;
+      if (options.abandon) options.abandon(result);
+    };
+    const StepWatch::Span watched(watch, give_up);
+    recording.emplace(scene, std::move(registry), options, std::move(manifest), std::move(found),
+                      std::move(held), watch);
+  }
+  if (options.interrupted != nullptr && options.interrupted->load())
+    throw Error(ExitCode::interrupted, kNothingWritten);
+  return recording->execute();
 }
 
 }  // namespace deform

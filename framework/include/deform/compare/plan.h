@@ -1,6 +1,7 @@
 /// What a comparison runs: variants of one scene, and grids of values.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -41,6 +42,8 @@ struct PlannedRun {
   Scene scene;
   std::string refused{};       ///< why it cannot be run: what showed when its parts were made
   bool plugin_failed = false;  ///< then: a plugin threw, rather than the scene was wrong
+  /// Names of its probes' columns; empty of a run that is refused.
+  std::vector<std::string> columns{};
 };
 
 struct ComparisonPlan {
@@ -57,8 +60,11 @@ inline constexpr std::size_t kMostRuns = 1000;
 
 /// Reads and checks everything that is to be run. Throws InputError with every problem of the scene
 /// and of what replaces its values; what only shows when a run's parts are made (a force that no
-/// node takes) is a refused run, unless all are.
+/// node takes) is a refused run, unless all are. These parts are made in child processes, unless
+/// this one has several threads already: a plugin that ends the process is a run with its reason.
+/// Throws Error with ExitCode::interrupted when `interrupted` becomes true.
 [[nodiscard]] DEFORM_API ComparisonPlan plan_comparison(
-    const ComparisonRequest& request, const std::shared_ptr<const PluginRegistry>& registry);
+    const ComparisonRequest& request, const std::shared_ptr<const PluginRegistry>& registry,
+    const std::atomic<bool>* interrupted = nullptr);
 
 }  // namespace deform

@@ -30,7 +30,7 @@ struct TrajectoryField {
 /// The surface that a trajectory is of.
 struct TrajectoryMesh {
   Eigen::MatrixX2d parameters;  ///< (N × 2) (a1, a2) [m]
-  NodeValues areas;             ///< (N) parameter area of each node [m²]
+  NodeValues areas;             ///< (N) of each node, that mass goes by [m²]
   Faces faces;
   double size = 0;  ///< largest side of the rest state's bounding box [m]
 };

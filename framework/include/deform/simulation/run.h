@@ -13,23 +13,6 @@
 
 namespace deform {
 
-struct RunOptions {
-  std::filesystem::path folder;  ///< the run directory; made, must not exist unless `force`
-  /// Goes on from the checkpoint in the folder, to the same bits as without interruption; where
-  /// there is none, starts anew with a warning. `force` does not count then.
-  bool resume = false;
-  bool force = false;  ///< replace an existing run directory
-  /// Also writes where the time of the steps went: profile.txt, a table, and trace.json, for
-  /// chrome://tracing and Perfetto. Changes no other result.
-  bool profile = false;
-  /// Called after each step with the steps done and to do.
-  std::function<void(long done, long total)> progress;
-  const std::atomic<bool>* interrupted =
-      nullptr;                            ///< ends the run within a step when it becomes true
-  std::vector<std::string> command_line;  ///< for the manifest
-  std::string commit{};                   ///< of the program's sources, for the manifest
-};
-
 struct RunResult {
   ExitCode code = ExitCode::done;
   std::string reason;  ///< empty when done
@@ -46,12 +29,37 @@ struct RunResult {
   bool kept_old_run = false;
 };
 
+struct RunOptions {
+  std::filesystem::path folder;  ///< the run directory; made, must not exist unless `force`
+  /// Goes on from the checkpoint in the folder, to the same bits as without interruption; where
+  /// there is none, starts anew with a warning. `force` does not count then.
+  bool resume = false;
+  bool force = false;  ///< replace an existing run directory
+  /// Also writes where the time of the steps went: profile.txt, a table, and trace.json, for
+  /// chrome://tracing and Perfetto. Changes no other result.
+  bool profile = false;
+  /// Called after each step with the steps done and to do.
+  std::function<void(long done, long total)> progress;
+  /// Ends the run when it becomes true: after the step under way if that ends within half a second;
+  /// else the step is thrown away, and the run ends at its last checkpoint.
+  const std::atomic<bool>* interrupted = nullptr;
+  /// Called, in place of a return, from another thread, where a step goes on for 1.5 s though it
+  /// was told to end: in a factorisation that cannot be stopped, say, or in a plugin that hangs.
+  /// The run directory is complete then. It must end the process, whose step still goes on. Empty:
+  /// the run waits for the step.
+  std::function<void(const RunResult&)> abandon{};
+  std::vector<std::string> command_line;  ///< for the manifest
+  std::string commit{};                   ///< of the program's sources, for the manifest
+};
+
 /// How a run ended: "done", "diverged", "plugin failed", "interrupted" or "failed".
 [[nodiscard]] DEFORM_API const char* status_of(ExitCode code);
 
 /// Makes everything that a run of the scene is made of, runs nothing and writes nothing. Throws
-/// InputError with every problem found, as `run` would before it writes anything.
-DEFORM_API void check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry);
+/// InputError with every problem found, as `run` would before it writes anything. Returns what is
+/// no error, though the user may not have meant it; `run` puts the same into the log.
+DEFORM_API std::vector<Problem> check(const Scene& scene,
+                                      std::shared_ptr<const PluginRegistry> registry);
 
 /// Runs a scene to its end and writes the run directory: scene.json, manifest.json, probes.csv,
 /// summary.json, log.txt and the outputs. Divergence, interruption and plugin failures are results
