@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -25,9 +24,8 @@
 #include "compare/figures.h"
 #include "compare/verdict.h"
 #include "simulation/files.h"
-#include "simulation/folder_lock.h"
+#include "simulation/held_folder.h"
 #include "simulation/json_file.h"
-#include "simulation/old_run.h"
 #include "simulation/run_directory.h"
 
 namespace deform {
@@ -39,7 +37,6 @@ namespace fs = std::filesystem;
 void check_resumable(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder, error) && !error) return;
-  if (has_old_run(folder)) return;  // it is given back
   const Json manifest = read_json_object(folder / kManifestFile);
   if (!manifest.is_object() || manifest.value("kind", Json()) != "comparison")
     throw InputError(
@@ -186,69 +183,48 @@ std::vector<Figure> probe_columns(const Comparison& comparison) {
 
 namespace {
 
-/// A comparison's folder, held while it is made.
-class Folder {
- public:
-  Folder(const fs::path& folder, bool resume, bool force) : folder_(folder), resume_(resume) {
-    require_unheld(folder);
-    if (resume) {
-      check_resumable(folder);
-    } else {
-      check_run_directory(folder, force);
-    }
-    std::error_code error;
-    if (!fs::is_directory(folder, error)) return;
-    lock_.emplace(folder);
-    give_old_run_back(folder);
-    if (resume) check_resumable(folder);
-  }
-
-  /// An older comparison stays, set aside, until a run of the new one has taken a step.
-  void prepare() {
-    std::error_code error;
-    if (!lock_) {
-      if (!fs::is_directory(folder_, error)) make_run_directory(folder_);
-      lock_.emplace(folder_);
-    }
-    if (!resume_ && !holds_nothing(folder_)) set_old_run_aside(folder_);
-  }
-
-  [[nodiscard]] bool has_old() const { return has_old_run(folder_); }
-  void drop_old() const { drop_old_run(folder_); }
-  void give_old_back() const { give_old_run_back(folder_); }
-
- private:
-  const fs::path& folder_;
-  bool resume_;
-  std::optional<FolderLock> lock_;
-};
-
 /// No run of a comparison that replaces another one took a step.
-[[noreturn]] void keep_old(const Folder& folder, const ComparisonPlan& plan,
-                           const std::vector<RunOutcome>& outcomes) {
-  folder.give_old_back();
-  const RunOutcome& first = outcomes.front();
-  throw Error(first.status == status_of(ExitCode::diverged)        ? ExitCode::diverged
-              : first.status == status_of(ExitCode::plugin_failed) ? ExitCode::plugin_failed
-                                                                   : ExitCode::internal_error,
-              fmt::format("no run took a step ({}: {} {}); the comparison that was there stays",
-                          plan.runs.front().name, first.status, first.reason));
+Error refusal_to_replace(const ComparisonPlan& plan, const RunOutcome& first) {
+  const ExitCode code = first.status == status_of(ExitCode::diverged) ? ExitCode::diverged
+                        : first.status == status_of(ExitCode::plugin_failed)
+                            ? ExitCode::plugin_failed
+                            : ExitCode::internal_error;
+  return {code, fmt::format("no run took a step ({}: {} {}); the comparison that was there stays",
+                            plan.runs.front().name, first.status, first.reason)};
 }
 
-/// Runs what is planned; an older comparison is given back where that came to nothing.
+/// Runs what is planned. Until the first step of any run an older comparison is there, and comes
+/// back where that is never taken.
 std::vector<RunOutcome> execute(const ComparisonOptions& options, const ComparisonPlan& plan,
-                                const PluginRegistry& registry, const Folder& folder) {
+                                const PluginRegistry& registry, HeldFolder& held) {
   RunnerOptions runner = options.runner;
-  runner.first_step = [&folder] { folder.drop_old(); };
+  runner.first_step = [&held] { held.drop_old(); };
   std::vector<RunOutcome> outcomes;
   try {
     outcomes = execute_runs(plan.runs, registry, runner);
   } catch (...) {
-    if (folder.has_old()) folder.give_old_back();
+    (void)held.give_old_back();
     throw;
   }
-  if (folder.has_old()) keep_old(folder, plan, outcomes);
+  if (held.give_old_back()) throw refusal_to_replace(plan, outcomes.front());
   return outcomes;
+}
+
+/// What comes before the first run; an older comparison is there until then.
+void begin(const ComparisonOptions& options, const ComparisonPlan& plan, HeldFolder& held) {
+  const fs::path& folder = options.runner.folder;
+  try {
+    if (options.runner.resume)
+      held.take();
+    else
+      held.begin_anew();
+    // First: from here on the folder is known as a comparison's.
+    write_atomically(folder / kManifestFile, manifest_json(options, plan, "running"));
+  } catch (...) {
+    (void)held.give_old_back();
+    throw;
+  }
+  say_what_is_left_over(folder, plan);
 }
 
 }  // namespace
@@ -256,26 +232,21 @@ std::vector<RunOutcome> execute(const ComparisonOptions& options, const Comparis
 Comparison compare(const ComparisonOptions& options,
                    const std::shared_ptr<const PluginRegistry>& registry) {
   const fs::path& folder = options.runner.folder;
-  Folder held(folder, options.runner.resume, options.force);
+  HeldFolder held(folder, options.runner.resume ? FolderUse::resumed
+                          : options.force       ? FolderUse::replaced
+                                                : FolderUse::made);
+  if (options.runner.resume) check_resumable(folder);
   const ComparisonPlan plan =
       plan_comparison(options.request, registry, options.runner.interrupted);
   std::vector<std::string> claims;
   if (!options.expectation.empty()) claims = read_claims(options.expectation, plan);
 
-  held.prepare();
-  try {
-    // First: from here on the folder is known as a comparison's.
-    write_atomically(folder / kManifestFile, manifest_json(options, plan, "running"));
-  } catch (...) {
-    held.give_old_back();
-    throw;
-  }
+  begin(options, plan, held);
   warn_of_remarks(plan);
   for (const PlannedRun& run : plan.runs)
     for (const std::string& pointer : run.scene.dropped)
       log::info(fmt::format("{}: {} is dropped: the plugin put in has no such parameter", run.name,
                             pointer));
-  say_what_is_left_over(folder, plan);
 
   std::vector<RunOutcome> outcomes = execute(options, plan, *registry, held);
   const std::size_t reference = number_of_reference(plan, outcomes);

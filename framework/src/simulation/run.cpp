@@ -23,10 +23,9 @@
 #include "simulation/checkpoint.h"
 #include "simulation/energy_guard.h"
 #include "simulation/files.h"
-#include "simulation/folder_lock.h"
+#include "simulation/held_folder.h"
 #include "simulation/manifest.h"
 #include "simulation/memory_sections.h"
-#include "simulation/old_run.h"
 #include "simulation/resumption.h"
 #include "simulation/run_directory.h"
 #include "simulation/run_log.h"
@@ -69,15 +68,13 @@ class Recording {
  public:
   /// Throws InputError when the scene or the checkpoint cannot be used; writes nothing.
   Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-            const RunOptions& options, Manifest manifest, Resumption found,
-            std::optional<FolderLock> lock, StepWatch& watch);
+            const RunOptions& options, Manifest manifest, Resumption found, HeldFolder held,
+            StepWatch& watch);
   RunResult execute();
 
  private:
   void load_checkpoint();
   void require_unchanged_files() const;
-  void prepare_folder();
-  void take_folder();
   void begin_folder();
   void start();
   void open_trajectory();
@@ -121,7 +118,7 @@ class Recording {
   const Scene& scene_;
   const RunOptions& options_;
   std::filesystem::path folder_;
-  std::optional<FolderLock> lock_;
+  HeldFolder held_;
   Manifest manifest_;
   Resumption found_;
   RunParts parts_;
@@ -139,7 +136,6 @@ class Recording {
   StepTimes times_before_step_;  // the step that is given up may still write the System's
   bool gave_step_up_ = false;
   std::optional<LastNote> last_note_;
-  bool has_set_aside_ = false;  // an old run, until the first step
   long frame_interval_;
   long checkpoint_step_ = -1;  // of the checkpoint in the folder
   std::optional<Diverged> divergence_;
@@ -149,11 +145,11 @@ class Recording {
 
 Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
                      const RunOptions& options, Manifest manifest, Resumption found,
-                     std::optional<FolderLock> lock, StepWatch& watch)
+                     HeldFolder held, StepWatch& watch)
     : scene_(scene),
       options_(options),
       folder_(std::filesystem::absolute(options.folder)),
-      lock_(std::move(lock)),
+      held_(std::move(held)),
       manifest_(std::move(manifest)),
       found_(std::move(found)),
       parts_(make_run_parts(scene, registry)),
@@ -198,34 +194,17 @@ void Recording::require_unchanged_files() const {
   }
 }
 
-/// A folder that was not there before: another process may have made it meanwhile.
-void Recording::take_folder() {
-  std::error_code error;
-  if (!std::filesystem::is_directory(folder_, error)) make_run_directory(folder_);
-  lock_.emplace(folder_);
-  if (!holds_nothing(folder_)) check_run_directory(folder_, options_.force || options_.resume);
-}
-
-void Recording::prepare_folder() {
-  if (!lock_) take_folder();
-  if (found_.checkpoint) {
-    remove_half_written(folder_);
-  } else if (options_.force && !options_.resume && !holds_nothing(folder_)) {
-    has_set_aside_ = true;
-    set_old_run_aside(folder_);
-  } else {
-    make_run_directory(folder_);
-  }
-  manifest_.write(folder_);  // first: from here on the folder is known as one of ours
-}
-
-/// Throws where nothing can be written; the old run is then still there.
+/// Throws where nothing can be written; an old run is then still there.
 void Recording::begin_folder() {
   try {
-    prepare_folder();
+    if (found_.checkpoint)
+      remove_half_written(folder_);
+    else
+      held_.begin_anew();
+    manifest_.write(folder_);  // first: from here on the folder is known as one of ours
     log_.emplace(folder_ / "log.txt", found_.checkpoint.has_value());
   } catch (...) {
-    if (has_set_aside_) give_old_run_back(folder_);
+    (void)held_.give_old_back();
     throw;
   }
 }
@@ -267,13 +246,13 @@ RunResult Recording::execute() {
     end_with(ExitCode::internal_error, e.what());
   }
   finish();
-  if (has_set_aside_) keep_old_run();
+  keep_old_run();
   return std::move(result_);
 }
 
-/// The new run ended before its first step.
+/// Where the new run ended before its first step, and there is an old one.
 void Recording::keep_old_run() {
-  give_old_run_back(folder_);
+  if (!held_.give_old_back()) return;
   result_.kept_old_run = true;
   result_.reason += fmt::format("; the run that was in '{}' stays", options_.folder.string());
 }
@@ -297,7 +276,7 @@ void Recording::step_to_end() {
     const auto begun = std::chrono::steady_clock::now();
     step();
     last_step_ = std::chrono::steady_clock::now() - begun;
-    if (std::exchange(has_set_aside_, false)) drop_old_run(folder_);
+    held_.drop_old();
     if (profile_) profile_->end_step();
     if (options_.progress) options_.progress(parts_.simulation->steps(), scene_.steps());
   }
@@ -327,6 +306,7 @@ void Recording::give_step_up() {
   gave_step_up_ = true;
   end_within_step();
   finish();
+  keep_old_run();
   options_.abandon(result_);
 }
 
@@ -553,23 +533,13 @@ RunResult already_finished(const Scene& scene, const std::filesystem::path& fold
   return result;
 }
 
-/// Holds a folder that is there, and undoes what a process that was killed has left half done.
-std::optional<FolderLock> hold(const std::filesystem::path& folder) {
-  std::optional<FolderLock> lock;
-  std::error_code error;
-  if (!std::filesystem::is_directory(folder, error)) return lock;
-  lock.emplace(folder);
-  give_old_run_back(folder);
-  return lock;
-}
-
 }  // namespace
 
 RunResult run(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
               const RunOptions& options) {
-  require_unheld(options.folder);
-  check_run_directory(options.folder, options.force || options.resume);
-  std::optional<FolderLock> lock = hold(options.folder);
+  HeldFolder held(options.folder, options.resume  ? FolderUse::resumed
+                                  : options.force ? FolderUse::replaced
+                                                  : FolderUse::made);
   Manifest manifest(scene, *registry, options);
   Resumption found;
   if (options.resume) {
@@ -587,7 +557,7 @@ RunResult run(const Scene& scene, std::shared_ptr<const PluginRegistry> registry
     };
     const StepWatch::Span watched(watch, give_up);
     recording.emplace(scene, std::move(registry), options, std::move(manifest), std::move(found),
-                      std::move(lock), watch);
+                      std::move(held), watch);
   }
   if (options.interrupted != nullptr && options.interrupted->load())
     throw Error(ExitCode::interrupted, kNothingWritten);
