@@ -1,6 +1,7 @@
 #include "compare_command.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 #include <string>
 #include <thread>
@@ -75,6 +76,18 @@ bool print_claims(const std::vector<Claim>& claims, bool quiet) {
   return all;
 }
 
+/// Whether there are runs that came to no result for want of room on the disk, say: what is
+/// measured then is not what was asked for.
+bool print_failures(const Comparison& comparison) {
+  bool any = false;
+  for (const RunComparison& run : comparison.runs) {
+    if (!run.outcome.is_failure) continue;
+    any = true;
+    fmt::print(stderr, "deform: {}: {}\n", run.name, run.outcome.reason);
+  }
+  return any;
+}
+
 }  // namespace
 
 int compare_scene(CompareCommand command, const std::vector<std::filesystem::path>& plugin_folders,
@@ -99,12 +112,14 @@ int compare_scene(CompareCommand command, const std::vector<std::filesystem::pat
     throw;
   }
   bar.end();
-  const std::string report = add_report(runner.folder);
+  const AddedReport report = add_report(runner.folder);
   if (!command.quiet) {
     print_comparison(comparison, runner.folder);
-    say("  report: {}\n", report);
+    say("  report: {}\n", report.told);
   }
   const bool all_hold = print_claims(comparison.claims, command.quiet);
+  if (print_failures(comparison)) return static_cast<int>(ExitCode::internal_error);
+  if (report.code != ExitCode::done) return static_cast<int>(report.code);
   return static_cast<int>(all_hold ? ExitCode::done : ExitCode::expectation_failed);
 }
 

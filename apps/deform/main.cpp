@@ -6,6 +6,7 @@
 #include <memory>
 #include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,6 +18,7 @@
 #include "deform/plugin/registry.h"
 #include "deform/version.h"
 
+#include "commit.h"
 #include "compare_command.h"
 #include "plugin_command.h"
 #include "plugins_command.h"
@@ -69,6 +71,16 @@ Variation parse_variation(const std::string& text) {
   return {text.substr(0, sign), split_values(text.substr(sign + 1))};
 }
 
+/// A file or folder, which "" is not: it would mean the default, or the folder that one is in.
+const CLI::Validator& named() {
+  static const CLI::Validator validator(
+      [](const std::string& text) {
+        return text.empty() ? std::string("an empty text names no file or folder") : std::string();
+      },
+      "", "named");
+  return validator;
+}
+
 void add_set(CLI::App& command, Arguments& arguments, std::vector<Replacement>& replacements) {
   command
       .add_option("--set", arguments.sets,
@@ -103,12 +115,16 @@ void add_plugin_path(CLI::App& command, Arguments& arguments) {
 
 CLI::App& add_run(CLI::App& app, Arguments& arguments) {
   CLI::App& run = *app.add_subcommand("run", "Run a scene and record it");
-  run.add_option("SCENE", arguments.run.scene, "scene file")->required()->type_name("");
+  run.add_option("SCENE", arguments.run.scene, "scene file")
+      ->required()
+      ->type_name("")
+      ->check(named());
   add_set(run, arguments, arguments.run.replacements);
   add_shadow(run, arguments, arguments.run.replacements);
   run.add_option("--variant", arguments.run.variant, "variant of the scene")->type_name("NAME");
   run.add_option("--out", arguments.run.folder, "run directory (default: runs/SCENE[-VARIANT])")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(named());
   CLI::Option* force =
       run.add_flag("--force", arguments.run.force, "replace an existing run directory");
   run.add_flag("--resume", arguments.run.resume,
@@ -130,7 +146,10 @@ CLI::App& add_compare(CLI::App& app, Arguments& arguments) {
   CLI::App& compare =
       *app.add_subcommand("compare", "Run a scene's variants and measure them against each other");
   ComparisonOptions& options = arguments.compare.options;
-  compare.add_option("SCENE", options.request.scene, "scene file")->required()->type_name("");
+  compare.add_option("SCENE", options.request.scene, "scene file")
+      ->required()
+      ->type_name("")
+      ->check(named());
   compare
       .add_option("--variants", arguments.compare.variants,
                   "variants to run (default: base and all; with --vary base alone)")
@@ -159,9 +178,11 @@ CLI::App& add_compare(CLI::App& app, Arguments& arguments) {
   compare
       .add_option("--expect", options.expectation,
                   R"(claims to check, {"claims": ["a.flatness < b.flatness"]})")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(named());
   compare.add_option("--out", options.runner.folder, "folder (default: runs/SCENE-comparison)")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(named());
   CLI::Option* force =
       compare.add_flag("--force", options.force, "replace an existing comparison directory");
   compare
@@ -201,12 +222,14 @@ CLI::App& add_plugin(CLI::App& app, Arguments& arguments) {
       ->required()
       ->type_name("");
   make.add_option("--out", arguments.new_plugin.folder, "folder of the project (default: NAME)")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(named());
 
   CLI::App& check = *plugin.add_subcommand("check", "Test what a plugin promises");
   check.add_option("LIBRARY", arguments.contract.library, "KIND-NAME.so")
       ->required()
-      ->type_name("");
+      ->type_name("")
+      ->check(named());
   check
       .add_option("--parameters", arguments.contract.parameters,
                   "JSON object of the parameters to check it with; those that are required must be "
@@ -223,7 +246,10 @@ CLI::App& add_plugin(CLI::App& app, Arguments& arguments) {
 CLI::App& add_validate(CLI::App& app, Arguments& arguments) {
   CLI::App& validate = *app.add_subcommand(
       "validate", "Check scenes, all of their variants and everything that they name; run nothing");
-  validate.add_option("SCENE", arguments.scenes, "scene files")->required()->type_name("");
+  validate.add_option("SCENE", arguments.scenes, "scene files")
+      ->required()
+      ->type_name("")
+      ->check(named());
   add_plugin_path(validate, arguments);
   return validate;
 }
@@ -233,7 +259,8 @@ CLI::App& add_report(CLI::App& app, Arguments& arguments) {
       "report", "Make report.html of a run or comparison directory again, from what is in it");
   report.add_option("DIR", arguments.report_folder, "run or comparison directory")
       ->required()
-      ->type_name("");
+      ->type_name("")
+      ->check(named());
   report.add_flag("--png", arguments.report_png,
                   "and report.png, a contact sheet of variants and moments (needs Chromium)");
   return report;
@@ -245,7 +272,8 @@ CLI::App& add_schema(CLI::App& app, Arguments& arguments) {
   schema
       .add_option("--out", arguments.schema_folder,
                   "write it to a folder instead, and that of each plugin")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(named());
   add_plugin_path(schema, arguments);
   return schema;
 }
@@ -260,6 +288,15 @@ std::unique_ptr<tbb::global_control> limit_threads(std::size_t threads) {
                                                threads);
 }
 
+/// Names of files start from it; one may have been removed under the shell.
+void require_working_folder() {
+  std::error_code error;
+  (void)std::filesystem::current_path(error);
+  if (error)
+    throw InputError("the working directory is gone, or cannot be reached (" + error.message() +
+                     "): change to one that is there");
+}
+
 int execute(int argc, char** argv) {
   CLI::App app("Simulates elastically deformable surfaces; every choice is a plugin.", "deform");
   app.set_version_flag("--version", std::string("deform ") + version());
@@ -269,6 +306,7 @@ int execute(int argc, char** argv) {
   arguments.run.command_line.assign(argv, argv + argc);
   const CLI::App& run = add_run(app, arguments);
   arguments.compare.options.command_line = arguments.run.command_line;
+  arguments.compare.options.commit = commit();
   const CLI::App& compare = add_compare(app, arguments);
   add_plugins(app, arguments);
   const CLI::App& plugin = add_plugin(app, arguments);
@@ -288,6 +326,7 @@ int execute(int argc, char** argv) {
     return is_asked_for ? 0 : static_cast<int>(ExitCode::bad_input);
   }
 
+  require_working_folder();
   const auto limit = arguments.threads > 0 ? limit_threads(arguments.threads) : nullptr;
   static ProgressBar bar;  // the logger, which outlives this function, writes past it
   log_above(bar);

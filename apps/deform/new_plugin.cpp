@@ -110,6 +110,14 @@ void check(const NewPlugin& what, const fs::path& folder) {
                     "z and go on with these, digits and underscores",
                     what.name));
   }
+  const PluginRegistry registry;
+  for (const PluginFile& file : registry.files()) {
+    if (name_of(file.kind) != what.kind || file.name != what.name) continue;
+    throw InputError(
+        fmt::format("there is a plugin {}/{} already, {}: a scene that names it could mean either, "
+                    "and would be refused; choose another name",
+                    what.kind, what.name, file.path.string()));
+  }
   if (fs::exists(fs::symlink_status(folder))) {
     throw InputError(fmt::format("{} exists: name another folder with --out", folder.string()));
   }
@@ -118,7 +126,8 @@ void check(const NewPlugin& what, const fs::path& folder) {
 void write(const fs::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
   stream << text;
-  if (!stream.flush()) {
+  stream.close();
+  if (!stream) {
     throw Error(ExitCode::internal_error, "cannot write " + file.string());
   }
 }

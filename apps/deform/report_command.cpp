@@ -1,11 +1,11 @@
 #include "report_command.h"
 
+#include <cstdio>
 #include <exception>
 
 #include <fmt/format.h>
 
 #include "deform/error.h"
-#include "deform/log.h"
 #include "deform/report/report.h"
 
 #include "terminal.h"
@@ -18,14 +18,18 @@ int write_reports(const std::filesystem::path& folder, bool png) {
   return static_cast<int>(ExitCode::done);
 }
 
-std::string add_report(const std::filesystem::path& folder) {
-  if (find_report_page().empty()) return "none: its page was not built (deform report says more)";
+AddedReport add_report(const std::filesystem::path& folder) {
+  if (find_report_page().empty())
+    return {"none: its page was not built (deform report says more)", ExitCode::done};
   try {
-    return write_report(folder).string();
+    return {write_report(folder).string(), ExitCode::done};
+  } catch (const Error& e) {
+    fmt::print(stderr, "deform: no report.html: {}\n", e.what());
+    return {"none", e.code()};
   } catch (const std::exception& e) {
-    log::warn(fmt::format("no report.html: {}", e.what()));
-    return "none";
+    fmt::print(stderr, "deform: no report.html: {}\n", e.what());
   }
+  return {"none", ExitCode::internal_error};
 }
 
 }  // namespace deform::app

@@ -8,11 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "deform/log.h"
 #include "deform/simulation/run.h"
 
+#include "commit.h"
 #include "interrupt.h"
-#include "remarks.h"
 #include "report_command.h"
 #include "terminal.h"
 
@@ -64,9 +63,6 @@ void print_summary(const RunResult& result, const std::filesystem::path& folder)
 int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegistry>& registry,
               ProgressBar& bar) {
   const Scene scene = read_scene(command.scene, *registry, command.replacements, command.variant);
-  if (!command.part_of_comparison) {
-    for (const Problem& remark : remarks(scene)) log::warn(remark.message);
-  }
   RunOptions options;
   options.folder = command.folder.empty() ? default_folder(command) : command.folder;
   options.force = command.force;
@@ -74,6 +70,7 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
   options.profile = command.profile;
   options.interrupted = &watch_interrupts();
   options.command_line = command.command_line;
+  options.commit = commit();
   options.progress = [&bar](long done, long total) { bar.update(done, total); };
   if (command.part_of_comparison) options.progress = ProgressLines();
   options.abandon = [&bar](const RunResult& result) {
@@ -99,13 +96,14 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
     put_lines(result.profile);
   }
   // A comparison has a report of its own, which shows them all.
-  if (scene.frames_written && !command.part_of_comparison) {
-    // A long run's takes its time: who interrupts has none.
-    const std::string report = result.code == ExitCode::interrupted ? "none: deform report makes it"
-                                                                    : add_report(options.folder);
-    if (!quiet) say("  report        {}\n", report);
-  }
-  return static_cast<int>(result.code);
+  if (!scene.frames_written || command.part_of_comparison || result.kept_old_run)
+    return static_cast<int>(result.code);
+  // A long run's takes its time: who interrupts has none.
+  const AddedReport report = result.code == ExitCode::interrupted
+                                 ? AddedReport{"none: deform report makes it", ExitCode::done}
+                                 : add_report(options.folder);
+  if (!quiet) say("  report        {}\n", report.told);
+  return static_cast<int>(result.code == ExitCode::done ? report.code : result.code);
 }
 
 }  // namespace deform::app

@@ -8,10 +8,10 @@
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 #include "deform/simulation/scene.h"
 
-#include "remarks.h"
 #include "report_error.h"
 #include "terminal.h"
 
@@ -25,15 +25,20 @@ std::string told(const Scene& scene, const Problem& problem) {
   return scene.place(problem.pointer) + problem.message.substr(placed ? front.size() : 0);
 }
 
-/// Throws InputError with the problems of all variants; what they share is said
-/// once.
+/// Throws InputError with the problems of all variants; what they share is said once. Warns of what
+/// is no error, once, too.
 void check_all(const std::vector<Scene>& scenes,
                const std::shared_ptr<const PluginRegistry>& registry) {
-  std::vector<Problem> problems;
+  std::vector<Problem> problems, warnings;
   std::set<std::string> known;
   for (const Scene& scene : scenes) {
     try {
-      check(scene, registry);
+      std::vector<Problem> found = remarks(scene);
+      const std::vector<Problem> of_parts = check(scene, registry);
+      found.insert(found.end(), of_parts.begin(), of_parts.end());
+      for (const Problem& remark : found) {
+        if (known.insert(told(scene, remark)).second) warnings.push_back(remark);
+      }
     } catch (const InputError& error) {
       for (const Problem& problem : error.problems()) {
         if (known.insert(told(scene, problem)).second) problems.push_back(problem);
@@ -41,16 +46,7 @@ void check_all(const std::vector<Scene>& scenes,
     }
   }
   if (!problems.empty()) throw InputError(problems);
-}
-
-/// Warns of what all variants share once.
-void warn_of_remarks(const std::vector<Scene>& scenes) {
-  std::set<std::string> known;
-  for (const Scene& scene : scenes) {
-    for (const Problem& remark : remarks(scene)) {
-      if (known.insert(told(scene, remark)).second) log::warn(remark.message);
-    }
-  }
+  for (const Problem& warning : warnings) log::warn(warning.message);
 }
 
 }  // namespace
@@ -62,7 +58,6 @@ int validate_scenes(const std::vector<std::filesystem::path>& files,
     try {
       const std::vector<Scene> scenes = read_variants(file, *registry);
       check_all(scenes, registry);
-      warn_of_remarks(scenes);
       const std::size_t variants = scenes.size() - 1;
       say("{}: ok ({} variant{})\n", file.string(), variants, variants == 1 ? "" : "s");
     } catch (...) {

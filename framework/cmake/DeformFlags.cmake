@@ -7,10 +7,10 @@ target_compile_options(deform_flags INTERFACE
   -march=x86-64-v2       # one baseline for all: Eigen's alignment, part of the ABI tag, follows from it
   -fno-math-errno -fno-trapping-math -ffp-contract=off
   $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
-if(DEFORM_SANITIZE)
+if(DEFORM_SANITIZERS)
   target_compile_options(deform_flags INTERFACE
-    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
-  target_link_options(deform_flags INTERFACE -fsanitize=address,undefined)
+    -fsanitize=${DEFORM_SANITIZERS} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(deform_flags INTERFACE -fsanitize=${DEFORM_SANITIZERS})
 endif()
 if(DEFORM_FUZZ)
   target_compile_options(deform_flags INTERFACE -fsanitize=fuzzer-no-link)

@@ -25,7 +25,7 @@ function(deform_add_plugin kind name)
   else()
     set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR})
   endif()
-  if(DEFORM_SANITIZE)
+  if(DEFORM_SANITIZERS)
     target_link_options(${target} PRIVATE -Wl,-z,nodelete)  # leak reports keep their module
   else()
     target_link_options(${target} PRIVATE -Wl,--no-undefined)  # a missing symbol shows now, not at load time

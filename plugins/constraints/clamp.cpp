@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <deform/model/constraint.h>
@@ -22,22 +23,26 @@ struct Parameters {
 /// Components of a unit normal below this are rounding: a flat side's tie names one component.
 constexpr double kAlongAnAxis = 1e-12;
 
-/// The row's largest coefficient besides that of the edge node itself: the nearest node inside.
-const EdgeNode::Entry& nearest_inside(const EdgeNode& edge) {
+/// The row's largest coefficient of a node that is not held (those of the sides, ascending): the
+/// nearest node inside. Null where all are held, as in a corner: so is the derivative then.
+const EdgeNode::Entry* nearest_inside(const EdgeNode& edge, const std::vector<Index>& held) {
   const EdgeNode::Entry* best = nullptr;
-  for (const EdgeNode::Entry& e : edge.inwards)
-    if (e.node != edge.node &&
+  bool is_alone = true;
+  for (const EdgeNode::Entry& e : edge.inwards) {
+    is_alone = is_alone && e.node == edge.node;
+    if (!std::ranges::binary_search(held, e.node) &&
         (best == nullptr || std::abs(e.coefficient) > std::abs(best->coefficient)))
       best = &e;
-  if (best == nullptr)
+  }
+  if (is_alone)
     throw InputError("nothing lies across the side at node " + std::to_string(edge.node));
-  return *best;
+  return best;
 }
 
 /// direction · Σ c_k r_k stays what it is at first, solved for the nearest node inside and there
 /// for the component that `direction` has most of.
-Tie hold_derivative(const EdgeNode& edge, const Vec3& direction, const NodeVectors& initial) {
-  const EdgeNode::Entry& inside = nearest_inside(edge);
+Tie hold_derivative(const EdgeNode& edge, const EdgeNode::Entry& inside, const Vec3& direction,
+                    const NodeVectors& initial) {
   Index largest = 0;
   direction.cwiseAbs().maxCoeff(&largest);
   const double pivot = inside.coefficient * direction[largest];
@@ -60,11 +65,13 @@ class Clamp final : public Constraint {
       : nodes_(setup.select(p.where)), initial_(setup.surface().initial()) {
     for (const Side& side : select_sides(p.where, setup))
       for (const EdgeNode& edge : side.nodes) {
+        const EdgeNode::Entry* const inside = nearest_inside(edge, nodes_);
+        if (inside == nullptr) continue;
         if (p.tangent == "full") {
           for (int c = 0; c < 3; ++c)
-            ties_.push_back(hold_derivative(edge, Vec3::Unit(c), initial_));
+            ties_.push_back(hold_derivative(edge, *inside, Vec3::Unit(c), initial_));
         } else {
-          ties_.push_back(hold_derivative(edge, initial_normal(edge), initial_));
+          ties_.push_back(hold_derivative(edge, *inside, initial_normal(edge), initial_));
         }
       }
   }

@@ -61,7 +61,8 @@ class NormalError final : public Probe {
 DEFORM_PLUGIN(NormalError, NoParameters, .name = "normal_error", .version = "1.0",
               .summary =
                   "Directed angle, 0 to pi, between a term's estimated normal (previous "
-                  "coefficients, present jet) and the exact one; empty at the first frame",
+                  "coefficients, present jet) and the exact one; empty at the first frame. Under "
+                  "integrators other than semi_implicit no force is made of such an estimate",
               .formula =
                   "atan2(|n_ij x n|, n_ij.n) over samples and all four ij where r_ij exists "
                   "and n_ij has a direction (|n_ij| >= 1e-9)",

@@ -113,6 +113,11 @@ class Results(CompareTest):
                              [0, 0, 0])
         self.assertIsNone(self.summary(folder)["variants"][1]["parts"])
 
+    def test_a_duration_between_two_steps_is_said_once(self):
+        done, folder = self.compare(sheet(duration=0.05))
+        self.assertEqual(done.stderr.count("no whole number of steps"), 1, done.stderr)
+        self.assertIn("no whole number of steps", (folder / "exact" / "log.txt").read_text())
+
     def test_parting_is_the_first_row_beyond_the_tolerance(self):
         _, folder = self.compare(sheet(), "--tolerance", "1e-5")
         summary = self.summary(folder)
@@ -170,6 +175,39 @@ class Failures(CompareTest):
                          ["done", "plugin failed"])
         self.assertIn("throws plugin failed", done.stdout)
 
+    def test_a_reference_that_diverges_is_none(self):
+        """Sheet P under Terzopoulos' estimator: the first run that is done stands in, and says so."""
+        scene = sheet(surface=dict(sheet()["surface"], nodes=[21, 21]), comparison={
+            "reference": "diverges"}, variants={
+            "diverges": {"/energies/1/normal": "terzopoulos", "/energies/1/xi": 1e-4},
+            "exact": {"/energies/1/normal": "exact"}})
+        scene["forces"][0]["where"]["radius"] = 0.06
+        claims = self.write({"claims": ["exact.done == 1", "exact.distance.max < 1"]}, "expect.json")
+        done, folder = self.compare(scene, "--expect", claims, code=5)
+        summary = self.summary(folder)
+        self.assertEqual(summary["reference"], "base")
+        self.assertEqual(summary["planned_reference"], "diverges")
+        self.assertIn("diverges was to be the reference, but ended as \"diverged\": base",
+                      " ".join(done.stdout.split()))
+        self.assertIn("exact.distance.max is not of diverges, the reference", done.stderr)
+        self.assertGreater(self.figures(folder)["exact"]["distance.max"], 0)
+
+    def test_plugins_must_be_there_for_what_is_run_only(self):
+        scene = sheet(variants={"lost": {"/energies/1/normal": "not_there"},
+                                "exact": {"/energies/1/normal": "exact"}})
+        file = self.write(scene)
+        for variant, code in (("exact", 0), ("base", 0), ("lost", 2)):
+            done = subprocess.run(
+                [PROGRAM, "run", file, "--variant", variant, "--out", self.folder / variant],
+                capture_output=True, text=True, timeout=TIMEOUT)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn('no normal plugin "not_there"', done.stderr)
+        self.compare(file, "--variants", "base,exact")
+        self.compare(file, code=2, out="all")
+        done = subprocess.run([PROGRAM, "validate", file], capture_output=True, text=True,
+                              timeout=TIMEOUT)
+        self.assertEqual(done.returncode, 2)
+
     def test_bad_input_writes_nothing(self):
         for arguments, words in (
                 (("--variants", "exakt"), ['"exakt"', 'did you mean "exact"']),
@@ -213,6 +251,40 @@ class Vary(CompareTest):
         self.assertEqual(self.summary(folder)["reference"], "normal=gauss")  # the scene's own
         scene = json.loads((folder / "normal=exact" / "scene.json").read_text())
         self.assertEqual(scene["energies"][1]["normal"], {"plugin": "exact"})
+
+    def test_set_and_variants_drop_as_vary_does(self):
+        scene = sheet(variants={"exact": {"/energies/1/normal/plugin": "exact"}})
+        file = self.write(scene)
+        for arguments, name in ((("--variant", "exact"), "a"),
+                                (("--set", "/energies/1/normal/plugin=exact"), "b")):
+            done = subprocess.run([PROGRAM, "run", file, "--out", self.folder / name, *arguments],
+                                  capture_output=True, text=True, timeout=TIMEOUT)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("at /energies/1/normal/delta: dropped", done.stderr)
+        done = subprocess.run(  # what is said of the new one is refused
+            [PROGRAM, "run", file, "--out", self.folder / "c", "--set",
+             "/energies/1/normal/plugin=exact", "--set", "/energies/1/normal/delta=1"],
+            capture_output=True, text=True, timeout=TIMEOUT)
+        self.assertEqual(done.returncode, 2, done.stdout)
+        self.assertIn('normal plugin "exact" has no "delta"', done.stderr)
+
+    def test_what_another_option_replaces_is_refused(self):
+        parent, child = "/energies/1/normal=exact,gauss", "/energies/1/normal/delta=0.1,1"
+        for arguments, words in (
+                (("--vary", child, "--vary", parent), "replaces what --vary"),
+                (("--vary", "/energies/1/xi=1e-6,1e-7", "--vary", "/energies/1/xi=1e-5,1e-6"),
+                 "replaces what --vary"),
+                (("--set", "/energies/1/normal/delta=0.1", "--vary", parent), "replaces what --set"),
+                (("--vary", "/energies/1/normal/plugin=exact,terzopoulos", "--vary", child),
+                 "the plugin of no run has such a parameter")):
+            done, folder = self.compare(sheet(), *arguments, code=2)
+            self.assertIn(words, done.stderr)
+            self.assertFalse(folder.exists())
+
+    def test_runs_of_one_scene_are_said(self):
+        done, folder = self.compare(sheet(duration=0.1), "--vary", "/energies/1/xi=1e-6,1.0e-6")
+        self.assertEqual(self.summary(folder)["variants"][1]["same_as"], "xi=1e-6")
+        self.assertIn("is the same scene as xi=1e-6.", done.stdout)
 
     def test_grid_fits_a_hundred_columns(self):
         done, folder = self.compare(
@@ -270,6 +342,17 @@ class Refined(CompareTest):
             self.assertEqual(len(self.rows(folder)), 21)
             errors.append(self.figures(folder)["base"]["rms"])
         self.assertLess(errors[1], errors[0])
+
+
+    def test_what_a_finer_grid_lacks_is_named(self):
+        rows = "".join(f"{i / 8} {j / 8} 0\n" for j in range(9) for i in range(9))
+        (self.folder / "rest.txt").write_text(rows)
+        surface = dict(sheet()["surface"], rest={"plugin": "file", "path": "rest.txt"})
+        done, folder = self.compare(sheet(surface=surface, variants={}), "--reference", "refined",
+                                    code=2)
+        self.assertIn("--reference refined: the scene on a grid twice as fine: ", done.stderr)
+        self.assertIn("81 positions", done.stderr)
+        self.assertFalse(folder.exists())
 
 
 class Resume(CompareTest):
@@ -357,9 +440,17 @@ class Expect(CompareTest):
         self.assertIn("does not hold: base.lowest > exact.lowest + 1 (base.lowest = -", done.stderr)
         self.assertNotIn("exact.steps", done.stderr)
 
-    def test_missing_figure(self):
-        done = self.expect(["base.lowst < 0"], 5)
-        self.assertIn('base.lowst is missing; did you mean "lowest"', done.stderr)
+    def test_figures_that_there_will_not_be_are_refused_before_anything_runs(self):
+        for claim, words in (
+                ("base.lowst < 0", ['"base" has no figure "lowst"', 'did you mean "lowest"?']),
+                ("exact.difference.lowst < 0", ['did you mean "difference.lowest"?']),
+                ("base.distance < 1", ['"base" is the reference, which has no distance']),
+        ):
+            done = self.expect([claim], 2)
+            self.assertIn("expect.json:1:", done.stderr)
+            for word in words:
+                self.assertIn(word, done.stderr)
+            self.assertFalse((self.folder / "c").exists(), claim)
 
     def test_what_is_no_claim(self):
         for claims, words in (

@@ -110,6 +110,27 @@ class PluginCheck(unittest.TestCase):
         self.find_out("energy", "reading", "reads only what it says",
                       "gives finite numbers")
 
+    def test_an_energy_alone_is_right_as_far_as_differences_tell(self):
+        found = self.check(FIXTURES / "energy-density_alone.so")
+        stress = [line for line in found.splitlines() if line.startswith("stress ")]
+        self.assertEqual(len(stress), 1, found)
+        self.assertIn("reported", stress[0])
+        self.assertIn("`stress`", found)
+
+    def test_what_is_not_finite_is_named(self):
+        found = self.check(FIXTURES / "normal-liar.so", {"about": "finite"}, FAILED)
+        self.assertRegex(" ".join(found.split()), r"\b[psc](_[12xyz])? of pair (11|12|22) at sample \d+")
+        found = self.check(FIXTURES / "energy-liar.so", {"about": "finite"}, FAILED)
+        self.assertIn("the energy density at sample 0 is inf", " ".join(found.split()))
+
+    def test_a_new_plugin_has_a_name_of_its_own(self):
+        with tempfile.TemporaryDirectory() as folder:
+            result = subprocess.run([PROGRAM, "plugin", "new", "energy", "koiter"], text=True,
+                                    capture_output=True, timeout=TIMEOUT, cwd=folder)
+            self.assertEqual(result.returncode, 2, result.stderr)
+            self.assertIn("there is a plugin energy/koiter already", result.stderr)
+            self.assertEqual(list(Path(folder).iterdir()), [])
+
     def test_normals(self):
         self.find_out("normal", "dependence", "writes only what dependence() allows")
         self.find_out("normal", "blocks", "same bits in blocks")

@@ -167,6 +167,14 @@ TEST(SameTimes, MatchThroughRounding) {
   for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i], std::make_pair(i, 4 * i));
 }
 
+TEST(SameTimes, OfSingleMomentsAreSoInAnyUnit) {
+  for (const double unit : {1e-12, 1.0, 1e9}) {
+    EXPECT_EQ(same_times({{1, 0.3 * unit}}, {{4, 0.3 * (1 + 1e-15) * unit}}).size(), 1U);
+    EXPECT_EQ(same_times({{1, 0.3 * unit}}, {{1, 0.4 * unit}}).size(), 0U);
+    EXPECT_EQ(same_times({{0, 0}}, {{1, unit}}).size(), 0U);
+  }
+}
+
 TEST(LengthText, HasAPrefix) {
   EXPECT_EQ(length_text(0.1123), "112 mm");
   EXPECT_EQ(length_text(2.5), "2.5 m");
@@ -183,7 +191,9 @@ class Claims : public ::testing::Test {
     gauss.figures = {{"flatness", "1", 0.25}, {"energy.bending", "J", 2}};
     xi.name = "xi=1e-7+n=2.5";
     xi.figures = {{"flatness", "1", 0.5}, {"lowest", "m", std::nan("")}};
-    return check_claims({claim}, {gauss, xi}).front().holds;
+    Comparison comparison;
+    comparison.runs = {gauss, xi};
+    return check_claims({claim}, comparison).front().holds;
   }
 };
 

@@ -6,6 +6,7 @@
 #include <exception>
 #include <thread>
 
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
@@ -69,17 +70,33 @@ bool same_bits(std::span<const double> a, std::span<const double> b) {
          (a.empty() || std::memcmp(a.data(), b.data(), a.size_bytes()) == 0);
 }
 
-void check_evaluation(Checks& checks, const Evaluate& evaluate, bool adds) {
+std::string what_is_not_finite(std::span<const double> numbers, const NameOfNumber& name) {
+  const auto found = std::ranges::find_if_not(numbers, [](double x) { return std::isfinite(x); });
+  if (found == numbers.end()) return "";
+  return fmt::format("{} is {}", name(static_cast<std::size_t>(found - numbers.begin())), *found);
+}
+
+void check_evaluation(Checks& checks, const Evaluate& evaluate, bool adds,
+                      const NameOfNumber& name) {
   const Evaluated once = evaluate(kBlock, 0);
-  checks.holds("gives finite numbers", all_finite(once.numbers), "a number is not finite");
+  const auto differing = [&](const Evaluated& other) {
+    const auto at = std::ranges::mismatch(once.numbers, other.numbers, [](double a, double b) {
+                      return same_bits({&a, 1}, {&b, 1});
+                    }).in1;
+    if (at == once.numbers.end()) return std::string();
+    return ": " + name(static_cast<std::size_t>(at - once.numbers.begin()));
+  };
+  checks.holds("gives finite numbers", all_finite(once.numbers),
+               what_is_not_finite(once.numbers, name));
   checks.holds(kWritesWithin, once.margins_intact, "numbers beside the block's were written");
-  checks.holds("same bits when asked again", same_bits(evaluate(kBlock, 0).numbers, once.numbers),
-               "the second answer differs from the first");
+  const Evaluated again = evaluate(kBlock, 0);
+  checks.holds("same bits when asked again", same_bits(again.numbers, once.numbers),
+               "the second answer differs from the first" + differing(again));
   for (const Index block : {Index{1}, Index{13}}) {
     const Evaluated cut = evaluate(block, 0);
     checks.holds(
         "same bits in blocks of other sizes", same_bits(cut.numbers, once.numbers),
-        "blocks of " + std::to_string(block) + " differ from blocks of " + std::to_string(kBlock));
+        fmt::format("blocks of {} differ from blocks of {}{}", block, kBlock, differing(cut)));
     checks.holds(kWritesWithin, cut.margins_intact,
                  "numbers beside a block's of " + std::to_string(block) + " were written");
   }

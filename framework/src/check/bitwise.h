@@ -40,12 +40,19 @@ using Evaluate = std::function<Evaluated(Index block, double prefill)>;
 /// it says nothing, and may crash.
 inline constexpr const char* kWritesWithin = "writes nothing beyond a block";
 
+/// Says what the number i of an evaluation is: "p of pair 12 at sample 3".
+using NameOfNumber = std::function<std::string(std::size_t i)>;
+
 /// Checks that results do not depend on blocks, threads or earlier calls, that nothing is written
 /// beyond a block, that everything is finite and, where `adds`, that it is added to what was there.
-void check_evaluation(Checks& checks, const Evaluate& evaluate, bool adds);
+void check_evaluation(Checks& checks, const Evaluate& evaluate, bool adds,
+                      const NameOfNumber& name);
 
 [[nodiscard]] bool same_bits(std::span<const double> a, std::span<const double> b);
 [[nodiscard]] bool all_finite(std::span<const double> numbers);
+/// "force, y at node 7 is nan" of the first that is not finite; empty where all are.
+[[nodiscard]] std::string what_is_not_finite(std::span<const double> numbers,
+                                             const NameOfNumber& name);
 
 /// Calls f on one thread, then on as many as there are, and tells whether the results have the same
 /// bits. For what the framework itself spreads over threads.

@@ -38,15 +38,16 @@ std::string Checks::placed(const std::string& note) const {
   return place_ + ": " + note;
 }
 
-void Checks::below(const std::string& name, double figure, double limit) {
+void Checks::below(const std::string& name, double figure, double limit, const std::string& cure) {
   const std::size_t i = line(name);
-  lines_[i].limit = figure_text(limit);
-  if (badness(figure) <= worst_[i]) return;
-  worst_[i] = badness(figure);
+  const double bad = badness(figure / limit);
+  if (bad <= worst_[i]) return;
+  worst_[i] = bad;
   lines_[i].figure = figure_text(figure);
+  lines_[i].limit = figure_text(limit);
   const bool is_met = figure <= limit;
   if (!is_met) lines_[i].outcome = CheckOutcome::failed;
-  lines_[i].note = place_;
+  lines_[i].note = placed(is_met ? "" : cure);
 }
 
 void Checks::holds(const std::string& name, bool is_so, const std::string& otherwise) {

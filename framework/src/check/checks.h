@@ -17,8 +17,9 @@ class Checks {
   /// Where the figures that follow come from: "arc, central".
   void at(const std::string& place) { place_ = place; }
 
-  /// The figure must not pass the limit; NaN fails.
-  void below(const std::string& name, double figure, double limit);
+  /// The figure must not pass the limit, which may be another one from place to place; NaN fails.
+  /// `cure`: what to do where it does.
+  void below(const std::string& name, double figure, double limit, const std::string& cure = "");
   void holds(const std::string& name, bool is_so, const std::string& otherwise);
   /// A figure that no promise bounds; the largest is kept.
   void report(const std::string& name, double figure, const std::string& unit = "");

@@ -1,10 +1,14 @@
 /// Colliders: distances to the surface of a body, with their gradient.
+#include <algorithm>
 #include <cmath>
 #include <random>
+
+#include <fmt/format.h>
 
 #include "deform/model/collider.h"
 
 #include "check/contracts.h"
+#include "solve/not_finite.h"
 
 namespace deform {
 namespace {
@@ -32,8 +36,14 @@ void check_distances(const Collider& collider, Checks& checks) {
   NodeVectors points(kPoints, 3);
   for (double& x : points.reshaped()) x = anywhere(random);
   const Measured m = measure(collider, 0.3, points);
-  checks.holds("gives finite distances and normals", m.distance.allFinite() && m.normal.allFinite(),
-               "one is not finite");
+  const Index bad = std::max(first_not_finite(m.distance), first_not_finite(m.normal));
+  checks.holds("gives finite distances and normals", bad < 0,
+               bad < 0
+                   ? ""
+                   : fmt::format("at ({:.3g}, {:.3g}, {:.3g}) the distance is {}, the normal "
+                                 "({}, {}, {})",
+                                 points(bad, 0), points(bad, 1), points(bad, 2), m.distance[bad],
+                                 m.normal(bad, 0), m.normal(bad, 1), m.normal(bad, 2)));
   checks.below("normals have length 1", (m.normal.rowwise().norm().array() - 1).abs().maxCoeff(),
                1e-12);
   const Measured again = measure(collider, 0.3, points);
@@ -53,6 +63,15 @@ void check_distances(const Collider& collider, Checks& checks) {
   for (Index i = 0; i < kPoints; ++i)
     if (m.distance[i] > 0) outside = std::max(outside, std::abs(left[i]));
   checks.below("from outside, distance along the normal leads to the surface [m]", outside, 1e-9);
+
+  if (collider.is_convex()) {
+    double beyond = 0;  // how far a point's distance is below the tangent at the point before
+    for (Index i = 0; i + 1 < kPoints; ++i)
+      beyond =
+          std::max(beyond, m.distance[i] + m.normal.row(i).dot(points.row(i + 1) - points.row(i)) -
+                               m.distance[i + 1]);
+    checks.below("is convex, as it says: no distance is below a tangent [m]", beyond, 1e-12);
+  }
 
   NodeVectors gradient(kPoints, 3);
   for (int c = 0; c < 3; ++c) {

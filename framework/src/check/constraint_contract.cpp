@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
+
+#include <fmt/format.h>
 
 #include "check/bitwise.h"
 #include "check/contracts.h"
@@ -45,12 +48,14 @@ void check_prescriptions(const Made<Constraint>& made, Checks& checks) {
     made.object->prescribe(time, r);
     return r;
   };
+  check_breaks(*made.object, checks);
   const std::array<double, 4> times{0, 0.37, 5, 0.37};
   std::array<NodeVectors, 4> at;
   for (std::size_t i = 0; i < times.size(); ++i) at[i] = prescribed_at(times[i]);
   checks.holds("depends on time alone", at[1] == at[3], "asked again, it gave other positions");
 
-  bool is_kept = true, is_written = true, is_finite = true;
+  bool is_kept = true, is_written = true;
+  std::string not_finite;
   Index held = 0;
   for (const NodeVectors& r : at)
     for (Index a = 0; a < nodes; ++a)
@@ -59,11 +64,12 @@ void check_prescriptions(const Made<Constraint>& made, Checks& checks) {
         held += is_reserved ? 1 : 0;
         is_kept = is_kept && (is_reserved || r(a, c) == kElsewhere);
         is_written = is_written && (!is_reserved || r(a, c) != kElsewhere);
-        is_finite = is_finite && std::isfinite(r(a, c));
+        if (not_finite.empty() && !std::isfinite(r(a, c)))
+          not_finite = fmt::format("{} of node {} is {}", "xyz"[c], a, r(a, c));
       }
   checks.holds("writes no component that it did not reserve", is_kept, "it wrote another");
   checks.holds("writes every component that it reserved", is_written, "one was left as it was");
-  checks.holds("gives finite positions", is_finite, "one is not finite");
+  checks.holds("gives finite positions", not_finite.empty(), not_finite);
   const ReductionMap map(reduction);  // which throws for ties in circles
   checks.holds("its ties are finite", std::ranges::all_of(map.ties(), is_finite_tie),
                "a coefficient or an offset is not");

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <memory>
 
+#include <fmt/format.h>
+
 #include "deform/check/mechanics.h"
 
 #include "check/bitwise.h"
 #include "check/contracts.h"
+#include "model/numerical_stress.h"
 
 namespace deform {
 namespace {
@@ -40,6 +43,12 @@ class JetBench {
       evaluate_stress(block, prefill, all);
     }
     return all;
+  }
+
+  /// Whether the stress is a numerical derivative, for want of a better one.
+  [[nodiscard]] bool has_numerical_stress() const {
+    return traits_.lagged == Lagged::none &&
+           deform::has_numerical_stress(term_, block_at(0, std::min(kBlock, samples_.size())));
   }
 
   /// The largest difference of second derivatives from the multiples of n nᵀ that the term
@@ -157,6 +166,44 @@ Evaluate in_sample_order(const std::shared_ptr<JetBench>& bench, Index samples) 
   };
 }
 
+/// "12" of a derivative, a channel or a pair: its indices.
+std::string indices(int slot) {
+  constexpr std::array<const char*, kChannels> names{"0",  "1",  "2",      "11",
+                                                     "12", "22", "minus1", "minus2"};
+  return names.at(static_cast<std::size_t>(slot));
+}
+
+/// What the numbers of a JetBench are, in the order of samples: arrays of all samples.
+NameOfNumber names_of_jets(const JetTerm& term, Index samples) {
+  std::vector<std::string> arrays{"the energy density"};
+  for (int m = 0; m < kChannels; ++m)
+    for (const char c : {'x', 'y', 'z'})
+      arrays.push_back(fmt::format("{} of the stress σ_{}", c, indices(m)));
+  if (term.traits().lagged != Lagged::none)
+    for (const auto& [m, n] : term.couplings())
+      arrays.push_back(
+          fmt::format("the coupling k of ({}, {})", indices(slot(m)), indices(slot(n))));
+  return [arrays, m = static_cast<std::size_t>(samples)](std::size_t i) {
+    return fmt::format("{} at sample {}", arrays.at(i / m), i % m);
+  };
+}
+
+/// What the numbers of `tuple_evaluation` are.
+NameOfNumber names_of_tuples(int width) {
+  const auto w = static_cast<std::size_t>(width);
+  return [w](std::size_t i) {
+    const std::size_t tuple = i / (1 + w * w + 3 * w), k = i % (1 + w * w + 3 * w);
+    std::string what = "the energy";
+    if (k > w * w) {
+      what = fmt::format("{} of the constant of its node {}", "xyz"[(k - 1 - w * w) % 3],
+                         (k - 1 - w * w) / 3);
+    } else if (k > 0) {
+      what = fmt::format("the coefficient K of its nodes ({}, {})", (k - 1) / w, (k - 1) % w);
+    }
+    return fmt::format("{} of tuple {}", what, tuple);
+  };
+}
+
 /// Energies, matrices and constants of all tuples, tuple by tuple.
 Evaluate tuple_evaluation(const TupleTerm& term, const NodeVectors& r) {
   return [&term, &r](Index block, double prefill) {
@@ -205,11 +252,16 @@ void check_normal_tangents(const JetTerm& term, const JetBench& bench, Checks& c
 void check_blocks_of(const EnergyTerm& term, const Surface& surface, Checks& checks) {
   const NodeVectors r = disturbed(surface.rest(), kStrain).r;
   if (const auto* tuples = dynamic_cast<const TupleTerm*>(&term)) {
-    check_evaluation(checks, tuple_evaluation(*tuples, r), true);
+    check_evaluation(checks, tuple_evaluation(*tuples, r), true, names_of_tuples(tuples->width()));
   } else if (const auto* jets = dynamic_cast<const JetTerm*>(&term)) {
     check_reading(*jets, surface, r, checks);
     const auto bench = std::make_shared<JetBench>(*jets, surface, r, jets->reads());
-    check_evaluation(checks, in_sample_order(bench, surface.samples(jets->role()).size()), true);
+    const Index samples = surface.samples(jets->role()).size();
+    check_evaluation(checks, in_sample_order(bench, samples), true, names_of_jets(*jets, samples));
+    if (bench->has_numerical_stress())
+      checks.report("stress",
+                    "none: forces are differences of energy_density, tangents differences "
+                    "of these; `stress` makes both exact, and faster");
     check_normal_tangents(*jets, JetBench(*jets, surface, r, Geometry::Detail::second), checks);
   } else {
     checks.holds("is a JetTerm or a TupleTerm, or a sum of such", false,
@@ -224,6 +276,20 @@ void check_blocks(const Subject& subject, const Terrain& terrain, Checks& checks
   for (const CompoundTerm::Part& part : compound->parts())
     check_blocks_of(*part.term, *made.surface, checks);
 }
+
+/// The limit of an error that is measured by differences which resolve so much: 1e-6, or what they
+/// can tell where that is more; beyond kLeast they tell nothing that could be called passed.
+double limit_of(double resolution) {
+  constexpr double kPromised = 1e-6, kLeast = 1e-4;
+  constexpr double kCertain = 4;  // of an estimate of that error
+  return std::clamp(kCertain * resolution, kPromised, kLeast);
+}
+constexpr const char* kCureOfForces =
+    "where the energy is right, `stress` (or `affine_stress`) is not its derivative, or is missing "
+    "and the energy's rounding is too large for differences";
+constexpr const char* kCureOfTangents =
+    "`tangent` or `dependence` is wrong; where there is no `stress`, tangents are differences of "
+    "differences, which `stress` makes exact to 1e-9";
 
 void check_operator(System& system, std::size_t term, const TermTraits& traits, const State& state,
                     Checks& checks) {
@@ -253,14 +319,20 @@ void check_mechanics_of(System& system, std::size_t term, bool one_frame, Checks
   const TermTraits traits = system.energies()[term].object->traits();
   const State state = disturbed(system.rest(), kStrain);
   const NodeVectors force = system.internal_force(term, state);
-  checks.holds("force is finite", force.allFinite(), "it is not");
-  checks.holds("energy is finite", std::isfinite(system.energy(term, state)), "it is not");
+  checks.holds("force is finite", force.allFinite(),
+               what_is_not_finite(numbers_of(force), [&](std::size_t i) {
+                 const auto n = static_cast<std::size_t>(force.rows());
+                 return fmt::format("{} at node {}", "xyz"[i / n], i % n);
+               }));
+  const double energy = system.energy(term, state);
+  checks.holds("energy is finite", std::isfinite(energy), fmt::format("it is {}", energy));
   checks.holds("same force on any number of threads",
                same_on_threads([&] { return numbers_of(system.internal_force(term, state)); }),
                "one thread and several differ");
   if (traits.potential && one_frame)
     checks.below("force = −gradient of the energy, as promised",
-                 gradient_error(system, term, state), 1e-6);
+                 gradient_error(system, term, state),
+                 limit_of(gradient_resolution(system, term, state)), kCureOfForces);
   else if (!traits.potential)
     checks.report("force against −gradient of the energy, relative",
                   gradient_error(system, term, state));
@@ -274,7 +346,8 @@ void check_mechanics_of(System& system, std::size_t term, bool one_frame, Checks
 /// Tangents of the whole system: there is nothing else in its scene.
 void check_tangents(System& system, Checks& checks) {
   const State state = disturbed(system.rest(), kStrain);
-  checks.below("exact tangent = −derivative of the force", tangent_error(system, state), 1e-6);
+  checks.below("exact tangent = −derivative of the force", tangent_error(system, state),
+               limit_of(tangent_resolution(system, state)), kCureOfTangents);
   for (const Tangent kind : {Tangent::projected, Tangent::gauss_newton})
     checks.below(kind == Tangent::projected ? "projected tangent: positive semidefinite"
                                             : "Gauss–Newton tangent: positive semidefinite",

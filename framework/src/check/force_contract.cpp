@@ -1,7 +1,10 @@
 /// Force fields: potentials and tangents against differences, blocks of nodes.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
+
+#include <fmt/format.h>
 
 #include "check/bitwise.h"
 #include "check/contracts.h"
@@ -100,6 +103,14 @@ NodeVectors random_directions(Index n, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
   return NodeVectors::NullaryExpr(n, 3, [&] { return uniform(random); });
+}
+
+/// What the numbers of `evaluation` are.
+std::string name_of_number(std::size_t i) {
+  constexpr std::array<const char*, 6> numbers{"the force along x",     "the force along y",
+                                               "the force along z",     "the tangent's stiffness",
+                                               "the tangent's damping", "the potential"};
+  return fmt::format("{} at node {}", numbers.at(i % 6), i / 6);
 }
 
 constexpr const char* kIsGradient = "force = −gradient of the potential, as promised";
@@ -278,9 +289,10 @@ void check_force_contract(const Subject& subject, Checks& checks) {
     checks.runs("computes forces", [&] {
       const Made<ForceField> made = subject.make<ForceField>(terrain);
       const ForceTraits traits = made.object->traits();
+      check_breaks(*made.object, checks);
       for (const double time : {0.0, 0.37, 5.0}) {
         const Cloud c = cloud(made, time);
-        check_evaluation(checks, evaluation(c), true);
+        check_evaluation(checks, evaluation(c), true, name_of_number);
         if (!traits.neighbours) check_locality(c, checks);
         if (traits.potential)
           traits.neighbours ? check_joint_potential(c, checks) : check_potential(c, checks);

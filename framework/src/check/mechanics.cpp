@@ -5,6 +5,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "check/noise.h"
+
 namespace deform {
 namespace {
 
@@ -20,6 +22,37 @@ Eigen::MatrixXd dense(const SparseMatrix& k) {
 }
 
 double ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
+
+NodeVectors random_directions(Index nodes) {
+  std::mt19937 random(54321);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  return NodeVectors::NullaryExpr(nodes, 3, [&] { return uniform(random); });
+}
+
+/// K x of the exact tangent.
+NodeVectors tangent_times(System& system, const State& state, const NodeVectors& x) {
+  system.evaluate_with_tangent(state, Tangent::exact);
+  NodeVectors product;
+  system.tangent().multiply(x, product);
+  return product;
+}
+
+/// The factor of x that moves the nodes by about the surface's size.
+double tangent_scale(const NodeVectors& r, const NodeVectors& x) {
+  return (r.rowwise() - r.colwise().mean()).norm() / x.norm();
+}
+
+/// The change of the whole force along x.
+Difference<NodeVectors> change_of_force(System& system, State state, const NodeVectors& x) {
+  const NodeVectors r = state.r;
+  const double scale = tangent_scale(r, x);
+  const auto force_at = [&](double s) {
+    state.r = r + s * x;
+    system.evaluate(state);
+    return NodeVectors(system.force());
+  };
+  return difference_of(force_at, 1e-4 * scale, 1e-8 * scale);
+}
 
 }  // namespace
 
@@ -61,27 +94,40 @@ double lagged_error(System& system, std::size_t term, const State& state) {
   return ratio((force - (c - dense(k) * state.r)).norm(), force.norm());
 }
 
-double tangent_error(System& system, State state) {
-  constexpr double h = 1e-4;
-  std::mt19937 random(54321);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  const NodeVectors x =
-      NodeVectors::NullaryExpr(state.r.rows(), 3, [&] { return uniform(random); });
-  system.evaluate_with_tangent(state, Tangent::exact);
-  NodeVectors product;
-  system.tangent().multiply(x, product);
-  const double step = h * (state.r.rowwise() - state.r.colwise().mean()).norm() / x.norm();
-  const NodeVectors r = state.r;
-  const auto force_at = [&](double s) {
-    state.r = r + s * step * x;
-    system.evaluate(state);
-    return system.force();
+double gradient_resolution(System& system, std::size_t term, State state) {
+  constexpr double h = 1e-5, spacing = 1e-9;
+  const NodeVectors r = state.r, x = random_directions(r.rows());
+  const auto energy_at = [&](double s) {
+    state.r = r + s * x;
+    return Eigen::Matrix<double, 1, 1>(system.energy(term, state));
   };
-  NodeVectors difference = 8 * force_at(-1) - force_at(-2);
-  difference += force_at(2);
-  difference -= 8 * force_at(1);
-  difference /= 12 * step;
-  return ratio((product - difference).norm(), product.norm());
+  const auto force_at = [&](double s) {
+    state.r = r + s * x;
+    return system.internal_force(term, state);
+  };
+  // Of each component of the gradient: those of the derivative along x, which moves all at once,
+  // are of the same kind.
+  const double components = std::sqrt(3.0 * static_cast<double>(r.rows()));
+  const double rounding = components * std::sqrt(130.0) / (12 * h) * noise_of(energy_at, spacing);
+  return ratio(rounding + noise_of(force_at, spacing), force_at(0).norm());
+}
+
+double tangent_error(System& system, State state) {
+  const NodeVectors x = random_directions(state.r.rows());
+  const NodeVectors product = tangent_times(system, state, x);
+  const auto found = change_of_force(system, state, x);
+  return ratio((product + found.derivative).norm(), product.norm());
+}
+
+double tangent_resolution(System& system, State state) {
+  const NodeVectors r = state.r, x = random_directions(r.rows());
+  const double open = change_of_force(system, state, x).error;
+  const auto product_at = [&](double s) {
+    state.r = r + s * x;
+    return tangent_times(system, state, x);
+  };
+  const double rounding = noise_of(product_at, 1e-8 * tangent_scale(state.r, x));
+  return ratio(open + rounding, product_at(0).norm());
 }
 
 double tangent_indefiniteness(System& system, const State& state, Tangent kind) {

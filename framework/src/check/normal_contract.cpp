@@ -37,6 +37,14 @@ Evaluate evaluation(const NormalEstimator& normal, const Geometry& geometry) {
   };
 }
 
+/// What the numbers of `evaluation` are.
+std::string name_of_coefficient(std::size_t i) {
+  constexpr std::array<const char*, 6> coefficients{"p", "s_1", "s_2", "c_x", "c_y", "c_z"};
+  constexpr std::array<const char*, 3> pairs{"11", "12", "22"};
+  return fmt::format("{} of pair {} at sample {}", coefficients.at(i % 6), pairs.at(i / 6 % 3),
+                     i / 18);
+}
+
 void check_dependence(const NormalEstimator& normal, const Geometry& geometry, Checks& checks) {
   if (normal.dependence() == Dependence::jet) return;
   const GeometryBlock block = geometry.block(0, std::min(kBlock, geometry.size()));
@@ -151,7 +159,7 @@ void check_terrain(const Subject& subject, const Terrain& terrain, Checks& check
   const NodeVectors r = disturbed(made.surface->rest(), 0.1).r;
   Geometry geometry(samples);
   geometry.compute(samples, r);
-  check_evaluation(checks, evaluation(*made.object, geometry), false);
+  check_evaluation(checks, evaluation(*made.object, geometry), false, name_of_coefficient);
   check_dependence(*made.object, geometry, checks);
   check_branches(*made.object, geometry, checks);
   checks.report("difference between mirror images", mirror_error(*made.object, samples, r));

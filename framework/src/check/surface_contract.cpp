@@ -1,6 +1,11 @@
 /// Surfaces and shapes. That sizes and numbers fit together is checked whenever a surface is made.
+#include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "deform/error.h"
+#include "deform/model/reduction.h"
 #include "deform/surface/shape.h"
 
 #include "check/bitwise.h"
@@ -76,6 +81,48 @@ void check_edges(const Surface& surface, Checks& checks) {
                1e-8);
 }
 
+/// The node that a clamp solves a row for: the nearest one that is not the side's.
+Index solved_for(const EdgeNode& edge, const std::vector<Index>& side) {
+  const EdgeNode::Entry* best = nullptr;
+  for (const EdgeNode::Entry& entry : edge.inwards)
+    if (!std::ranges::binary_search(side, entry.node) &&
+        (best == nullptr || std::abs(entry.coefficient) > std::abs(best->coefficient)))
+      best = &entry;
+  if (best == nullptr || best->coefficient == 0)
+    throw InputError(fmt::format("the row of node {} names no node beside the side's", edge.node));
+  return best->node;
+}
+
+/// The derivatives across a side can be held, each by a node of its own.
+void check_side(const Surface& surface, const std::string& name) {
+  const std::vector<Index> side = surface.boundary(name);
+  Reduction reduction(surface.nodes());
+  for (const Index node : side) reduction.prescribe(node, 0);
+  for (const EdgeNode& edge : surface.edge(name)) {
+    if (std::ranges::find(edge.inwards, edge.node, &EdgeNode::Entry::node) == edge.inwards.end())
+      throw InputError(fmt::format("the row of node {} does not name that node", edge.node));
+    Tie tie{{solved_for(edge, side), 0}, {}, 0};
+    if (!reduction.free(tie.freedom.node, 0))
+      throw InputError(fmt::format("the row of node {} is solved for node {}, as another one is",
+                                   edge.node, tie.freedom.node));
+    for (const EdgeNode::Entry& entry : edge.inwards)
+      if (entry.node != tie.freedom.node) tie.parts.push_back({{entry.node, 0}, 1});
+    reduction.tie(tie);
+  }
+  (void)reduction.ties();  // throws for circles
+}
+
+void check_sides(const Surface& surface, Checks& checks) {
+  for (const std::string& name : surface.boundary_names())
+    checks.runs("edges: rows across can be held (see EdgeNode)", [&] {
+      try {
+        check_side(surface, name);
+      } catch (const InputError& e) {
+        throw InputError(fmt::format("edge(\"{}\"): {}", name, e.what()));
+      }
+    });
+}
+
 void check_areas(const Surface& surface, Checks& checks) {
   const double nodes = surface.areas().sum();
   for (const SampleRole role : {SampleRole::membrane, SampleRole::bending}) {
@@ -95,6 +142,7 @@ void check_surface_contract(const Subject& subject, Checks& checks) {
     for (const SampleRole role : {SampleRole::membrane, SampleRole::bending})
       check_operators(*surface, role, checks);
     check_edges(*surface, checks);
+    check_sides(*surface, checks);
     check_areas(*surface, checks);
     checks.report("nodes", std::to_string(surface->nodes()));
     const auto again = subject.make<Surface>(anywhere).object;

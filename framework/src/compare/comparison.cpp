@@ -3,20 +3,31 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
+#include <fmt/ranges.h>
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/parallel.h"
+#include "deform/simulation/remarks.h"
+#include "deform/simulation/run.h"
 
 #include "compare/comparison_files.h"
 #include "compare/expectation.h"
 #include "compare/figures.h"
 #include "compare/verdict.h"
 #include "simulation/files.h"
+#include "simulation/folder_lock.h"
 #include "simulation/json_file.h"
+#include "simulation/old_run.h"
 #include "simulation/run_directory.h"
 
 namespace deform {
@@ -26,22 +37,24 @@ namespace fs = std::filesystem;
 
 /// A folder that is to be resumed in must be a comparison's, or not be there.
 void check_resumable(const fs::path& folder) {
-  if (!fs::exists(folder)) return;
-  const Json manifest = read_json_object(folder / "manifest.json");
+  std::error_code error;
+  if (!fs::exists(folder, error) && !error) return;
+  if (has_old_run(folder)) return;  // it is given back
+  const Json manifest = read_json_object(folder / kManifestFile);
   if (!manifest.is_object() || manifest.value("kind", Json()) != "comparison")
     throw InputError(
         fmt::format("cannot resume in '{}': it is not a comparison directory", folder.string()));
 }
 
-std::vector<std::string> names_of(const ComparisonPlan& plan) {
-  std::vector<std::string> names;
-  for (const PlannedRun& run : plan.runs) names.push_back(run.name);
-  return names;
-}
-
-std::size_t number_of_reference(const ComparisonPlan& plan) {
-  return static_cast<std::size_t>(std::ranges::find(plan.runs, plan.reference, &PlannedRun::name) -
-                                  plan.runs.begin());
+/// Number of the run that the others are measured against: the planned reference if it ended as
+/// done, else the first run that did; one that diverged is no measure of others.
+std::size_t number_of_reference(const ComparisonPlan& plan,
+                                const std::vector<RunOutcome>& outcomes) {
+  const auto planned = static_cast<std::size_t>(
+      std::ranges::find(plan.runs, plan.reference, &PlannedRun::name) - plan.runs.begin());
+  if (outcomes[planned].status == status_of(ExitCode::done)) return planned;
+  const auto done = std::ranges::find(outcomes, status_of(ExitCode::done), &RunOutcome::status);
+  return done == outcomes.end() ? planned : static_cast<std::size_t>(done - outcomes.begin());
 }
 
 /// Size of the surface [m]: the reference's, or that of any run that has states.
@@ -53,33 +66,74 @@ double surface_size(const std::vector<MeasuredRun>& measured, std::size_t refere
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-std::vector<MeasuredRun> measure(const ComparisonPlan& plan, const RunnerOptions& options) {
+/// What there is to read of a run. One that ended for want of room on the disk may have left files
+/// that are none: it has no states then, and says so.
+RecordedRun read_outcome(const fs::path& folder, const RunOutcome& outcome) {
+  try {
+    return read_run(folder);
+  } catch (const InputError&) {
+    if (outcome.status == "done") throw;
+    RecordedRun run;
+    run.folder = folder;
+    return run;
+  }
+}
+
+/// Folders of runs that none of the planned runs has: another comparison's, which is not read.
+std::vector<std::string> left_over(const fs::path& folder, const ComparisonPlan& plan) {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    std::string name = entry.path().filename().string();
+    const bool is_planned =
+        std::ranges::find(plan.runs, name, &PlannedRun::name) != plan.runs.end();
+    if (!is_planned && entry.is_directory() && has_manifest(entry.path()))
+      names.push_back(std::move(name));
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+void say_what_is_left_over(const fs::path& folder, const ComparisonPlan& plan) {
+  const std::vector<std::string> names = left_over(folder, plan);
+  if (names.empty()) return;
+  log::warn(
+      fmt::format("'{}' also holds runs that are not of this comparison, and no part of it: {}",
+                  folder.string(), fmt::join(names, ", ")));
+}
+
+std::vector<MeasuredRun> measure(const ComparisonPlan& plan, std::size_t reference,
+                                 const RunnerOptions& options,
+                                 const std::vector<RunOutcome>& outcomes) {
   const fs::path& folder = options.folder;
-  const std::size_t reference = number_of_reference(plan);
   std::vector<MeasuredRun> measured(plan.runs.size());
-  tbb::parallel_for(std::size_t{0}, measured.size(), [&](std::size_t i) {
+  parallel_blocks(static_cast<Index>(measured.size()), 1, [&](Index number, Index /*one*/) {
+    const auto i = static_cast<std::size_t>(number);
     if (options.interrupted != nullptr && options.interrupted->load())
       throw Error(ExitCode::interrupted, "interrupted; --resume goes on from there");
-    measured[i].recorded = read_run(folder / plan.runs[i].name);
+    measured[i].recorded = read_outcome(folder / plan.runs[i].name, outcomes[i]);
     if (i == reference) return;
     // Each has the reference to itself: a trajectory is read by one thread at a time.
-    const RecordedRun other = read_run(folder / plan.runs[reference].name);
+    const RecordedRun other = read_outcome(folder / plan.runs[reference].name, outcomes[reference]);
     measured[i].differences = differences(measured[i].recorded, other);
   });
   return measured;
 }
 
 Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan,
-                    std::vector<RunOutcome> outcomes, const std::vector<MeasuredRun>& measured) {
-  const std::size_t reference = number_of_reference(plan);
+                    std::size_t reference, std::vector<RunOutcome> outcomes,
+                    const std::vector<MeasuredRun>& measured) {
   Comparison comparison;
-  comparison.reference = plan.reference;
+  comparison.reference = plan.runs[reference].name;
+  comparison.planned_reference = plan.reference;
   comparison.tolerance = options.request.tolerance > 0 ? options.request.tolerance
                                                        : plan.runs.front().scene.tolerance *
                                                              surface_size(measured, reference);
+  std::map<std::string_view, std::string> first_of;  // name of the first run of a scene
   for (std::size_t i = 0; i < plan.runs.size(); ++i) {
     RunComparison run;
     run.name = plan.runs[i].name;
+    const auto [first, is_new] = first_of.try_emplace(plan.runs[i].scene.completed, run.name);
+    if (!is_new) run.same_as = first->second;
     run.outcome = std::move(outcomes[i]);
     run.dropped = plan.runs[i].scene.dropped;
     run.is_reference = i == reference;
@@ -94,6 +148,18 @@ Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan
     comparison.runs.push_back(std::move(run));
   }
   return comparison;
+}
+
+/// What several variants share is said once.
+void warn_of_remarks(const ComparisonPlan& plan) {
+  std::set<std::string> said;
+  for (const PlannedRun& run : plan.runs)
+    for (const Problem& remark : remarks(run.scene)) {
+      const std::string front = run.scene.located({remark.pointer, ""}).message;
+      const bool has_place = remark.message.starts_with(front);
+      const std::string bare = remark.message.substr(has_place ? front.size() : 0);
+      if (said.insert(bare).second) log::warn(remark.message);
+    }
 }
 
 }  // namespace
@@ -118,37 +184,110 @@ std::vector<Figure> probe_columns(const Comparison& comparison) {
   return columns;
 }
 
+namespace {
+
+/// A comparison's folder, held while it is made.
+class Folder {
+ public:
+  Folder(const fs::path& folder, bool resume, bool force) : folder_(folder), resume_(resume) {
+    require_unheld(folder);
+    if (resume) {
+      check_resumable(folder);
+    } else {
+      check_run_directory(folder, force);
+    }
+    std::error_code error;
+    if (!fs::is_directory(folder, error)) return;
+    lock_.emplace(folder);
+    give_old_run_back(folder);
+    if (resume) check_resumable(folder);
+  }
+
+  /// An older comparison stays, set aside, until a run of the new one has taken a step.
+  void prepare() {
+    std::error_code error;
+    if (!lock_) {
+      if (!fs::is_directory(folder_, error)) make_run_directory(folder_);
+      lock_.emplace(folder_);
+    }
+    if (!resume_ && !holds_nothing(folder_)) set_old_run_aside(folder_);
+  }
+
+  [[nodiscard]] bool has_old() const { return has_old_run(folder_); }
+  void drop_old() const { drop_old_run(folder_); }
+  void give_old_back() const { give_old_run_back(folder_); }
+
+ private:
+  const fs::path& folder_;
+  bool resume_;
+  std::optional<FolderLock> lock_;
+};
+
+/// No run of a comparison that replaces another one took a step.
+[[noreturn]] void keep_old(const Folder& folder, const ComparisonPlan& plan,
+                           const std::vector<RunOutcome>& outcomes) {
+  folder.give_old_back();
+  const RunOutcome& first = outcomes.front();
+  throw Error(first.status == status_of(ExitCode::diverged)        ? ExitCode::diverged
+              : first.status == status_of(ExitCode::plugin_failed) ? ExitCode::plugin_failed
+                                                                   : ExitCode::internal_error,
+              fmt::format("no run took a step ({}: {} {}); the comparison that was there stays",
+                          plan.runs.front().name, first.status, first.reason));
+}
+
+/// Runs what is planned; an older comparison is given back where that came to nothing.
+std::vector<RunOutcome> execute(const ComparisonOptions& options, const ComparisonPlan& plan,
+                                const PluginRegistry& registry, const Folder& folder) {
+  RunnerOptions runner = options.runner;
+  runner.first_step = [&folder] { folder.drop_old(); };
+  std::vector<RunOutcome> outcomes;
+  try {
+    outcomes = execute_runs(plan.runs, registry, runner);
+  } catch (...) {
+    if (folder.has_old()) folder.give_old_back();
+    throw;
+  }
+  if (folder.has_old()) keep_old(folder, plan, outcomes);
+  return outcomes;
+}
+
+}  // namespace
+
 Comparison compare(const ComparisonOptions& options,
                    const std::shared_ptr<const PluginRegistry>& registry) {
   const fs::path& folder = options.runner.folder;
-  if (options.runner.resume) {
-    check_resumable(folder);
-  } else {
-    check_run_directory(folder, options.force);
-  }
+  Folder held(folder, options.runner.resume, options.force);
   const ComparisonPlan plan =
       plan_comparison(options.request, registry, options.runner.interrupted);
   std::vector<std::string> claims;
-  if (!options.expectation.empty()) claims = read_claims(options.expectation, names_of(plan));
+  if (!options.expectation.empty()) claims = read_claims(options.expectation, plan);
 
-  if (!options.runner.resume || !fs::exists(folder)) make_run_directory(folder);
-  // First: from here on the folder is known as a comparison's.
-  write_atomically(folder / "manifest.json", manifest_json(options, plan, "running"));
+  held.prepare();
+  try {
+    // First: from here on the folder is known as a comparison's.
+    write_atomically(folder / kManifestFile, manifest_json(options, plan, "running"));
+  } catch (...) {
+    held.give_old_back();
+    throw;
+  }
+  warn_of_remarks(plan);
   for (const PlannedRun& run : plan.runs)
     for (const std::string& pointer : run.scene.dropped)
       log::info(fmt::format("{}: {} is dropped: the plugin put in has no such parameter", run.name,
                             pointer));
+  say_what_is_left_over(folder, plan);
 
-  std::vector<RunOutcome> outcomes = execute_runs(plan.runs, *registry, options.runner);
-  const std::vector<MeasuredRun> measured = measure(plan, options.runner);
-  Comparison comparison = conclude(options, plan, std::move(outcomes), measured);
+  std::vector<RunOutcome> outcomes = execute(options, plan, *registry, held);
+  const std::size_t reference = number_of_reference(plan, outcomes);
+  const std::vector<MeasuredRun> measured = measure(plan, reference, options.runner, outcomes);
+  Comparison comparison = conclude(options, plan, reference, std::move(outcomes), measured);
   comparison.sentences = sentences_of(comparison);
-  comparison.claims = check_claims(claims, comparison.runs);
+  comparison.claims = check_claims(claims, comparison);
 
   write_atomically(folder / "comparison.csv", comparison_csv(comparison, measured));
   write_atomically(folder / "cost.csv", cost_csv(comparison, measured));
-  write_atomically(folder / "summary.json", summary_json(comparison, plan));
-  write_atomically(folder / "manifest.json", manifest_json(options, plan, "done"));
+  write_atomically(folder / "summary.json", summary_json(comparison, plan, folder));
+  write_atomically(folder / kManifestFile, manifest_json(options, plan, "done"));
   return comparison;
 }
 

@@ -13,6 +13,7 @@
 #include "scene/json.h"
 #include "simulation/manifest.h"
 #include "simulation/probe_table.h"
+#include "simulation/scene_files.h"
 
 namespace deform {
 namespace {
@@ -130,10 +131,12 @@ std::string cost_csv(const Comparison& comparison, const std::vector<MeasuredRun
   return csv;
 }
 
-std::string summary_json(const Comparison& comparison, const ComparisonPlan& plan) {
+std::string summary_json(const Comparison& comparison, const ComparisonPlan& plan,
+                         const std::filesystem::path& folder) {
   Json json = {{"kind", "comparison"},
                {"title", plan.runs.front().scene.title},
                {"reference", comparison.reference},
+               {"planned_reference", comparison.planned_reference},
                {"tolerance", {{"value", comparison.tolerance}, {"unit", "m"}}},
                {"verdict", verdict_json(comparison)},
                {"claims", Json::array()},
@@ -149,11 +152,12 @@ std::string summary_json(const Comparison& comparison, const ComparisonPlan& pla
                                 {"reason", run.outcome.reason},
                                 {"changes", changes_json(plan.runs[i].scene)},
                                 {"dropped", run.dropped},
+                                {"same_as", run.same_as},
                                 {"not_measured", run.impossible},
                                 {"parts", json_of(run.parting)},
                                 {"figures", figures_json(run.figures)}});
   }
-  json["scene"] = Json::parse(plan.base);
+  json["scene"] = Json::parse(scene_text(plan.base, plan.base_files, folder));
   return dump(json);
 }
 
@@ -161,6 +165,7 @@ std::string manifest_json(const ComparisonOptions& options, const ComparisonPlan
                           const std::string& status) {
   Json json = {{"program", "deform"},
                {"version", version()},
+               {"commit", options.commit.empty() ? Json() : Json(options.commit)},
                {"kind", "comparison"},
                {"status", status},
                {"title", plan.runs.front().scene.title},

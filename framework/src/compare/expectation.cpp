@@ -1,6 +1,7 @@
 #include "compare/expectation.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <optional>
@@ -63,9 +64,52 @@ Expression parse(const Formula& formula) {
   return {formula.text, variables};
 }
 
+std::vector<std::string> names_of(const ComparisonPlan& plan) {
+  std::vector<std::string> names;
+  for (const PlannedRun& run : plan.runs) names.push_back(run.name);
+  return names;
+}
+
+/// Whether a figure is of the difference from the reference.
+bool is_of_difference(std::string_view figure) {
+  constexpr std::array<std::string_view, 4> kDistances{"distance", "rms", "hausdorff", "parts_at"};
+  return figure.starts_with("difference.") ||
+         std::ranges::any_of(kDistances, [&](std::string_view distance) {
+           return figure == distance || figure == std::string(distance) + ".max";
+         });
+}
+
+/// The figures that a run will have: those of figures_of.
+std::vector<std::string> figures_to_be(const PlannedRun& run, const ComparisonPlan& plan) {
+  std::vector<std::string> figures{"steps", "time", "done"};
+  for (const std::string& column : run.columns)
+    for (const char* const of : {"", ".min", ".max"}) figures.push_back(column + of);
+  if (run.name == plan.reference) return figures;
+  for (const char* const distance : {"distance", "rms", "hausdorff"})
+    for (const char* const of : {"", ".max"}) figures.push_back(std::string(distance) + of);
+  figures.emplace_back("parts_at");
+  for (const std::string& column : run.columns)
+    for (const char* const of : {"", ".max"}) figures.push_back("difference." + column + of);
+  return figures;
+}
+
+/// Why a formula's figures cannot be looked at; nothing where they can, as far as is known.
+std::optional<std::string> objection(const Formula& formula, const ComparisonPlan& plan) {
+  for (const auto& [name, figure] : formula.figures) {
+    const PlannedRun& run = *std::ranges::find(plan.runs, name, &PlannedRun::name);
+    if (!run.refused.empty()) continue;  // a row with its reason, whose probes nobody knows
+    const std::vector<std::string> known = figures_to_be(run, plan);
+    if (std::ranges::find(known, figure) != known.end()) continue;
+    if (name == plan.reference && is_of_difference(figure))
+      return fmt::format("\"{}\" is the reference, which has no {}", name, figure);
+    return fmt::format("\"{}\" has no figure \"{}\"{}", name, figure, did_you_mean(figure, known));
+  }
+  return std::nullopt;
+}
+
 /// Why a claim is none; nothing if it is one.
-std::optional<std::string> objection(const std::string& claim,
-                                     const std::vector<std::string>& runs) {
+std::optional<std::string> objection(const std::string& claim, const ComparisonPlan& plan) {
+  const std::vector<std::string> runs = names_of(plan);
   const Formula formula = formula_of(claim, runs);
   try {
     (void)parse(formula);
@@ -85,6 +129,8 @@ std::optional<std::string> objection(const std::string& claim,
         "found \"{}\", expected a comparison (<, <=, >, >=, ==, !=) of at least one "
         "RUN.FIGURE",
         claim);
+  if (const auto why = objection(formula, plan))
+    return fmt::format("found \"{}\", but {}", claim, *why);
   return std::nullopt;
 }
 
@@ -93,7 +139,7 @@ std::string number_text(double value) { return fmt::format("{:.6g}", value); }
 }  // namespace
 
 std::vector<std::string> read_claims(const std::filesystem::path& file,
-                                     const std::vector<std::string>& runs) {
+                                     const ComparisonPlan& plan) {
   const JsonDocument document = JsonDocument::read(file);
   SceneProblems problems(document);
   std::vector<Problem> found;
@@ -115,7 +161,7 @@ std::vector<std::string> read_claims(const std::filesystem::path& file,
       continue;
     }
     claims.push_back(claim.get<std::string>());
-    if (const auto why = objection(claims.back(), runs)) problems.add(pointer, *why);
+    if (const auto why = objection(claims.back(), plan)) problems.add(pointer, *why);
   }
   for (const SceneProblem& problem : problems.sorted()) found.push_back(to_problem(problem));
   if (!found.empty()) throw InputError(std::move(found));
@@ -123,7 +169,9 @@ std::vector<std::string> read_claims(const std::filesystem::path& file,
 }
 
 std::vector<Claim> check_claims(const std::vector<std::string>& claims,
-                                const std::vector<RunComparison>& runs) {
+                                const Comparison& comparison) {
+  const std::vector<RunComparison>& runs = comparison.runs;
+  const bool stands_in = comparison.reference != comparison.planned_reference;
   std::vector<std::string> names;
   for (const RunComparison& run : runs) names.push_back(run.name);
   std::vector<Claim> checked;
@@ -135,7 +183,11 @@ std::vector<Claim> check_claims(const std::vector<std::string>& claims,
       const auto run = std::ranges::find(runs, name, &RunComparison::name);
       values.push_back(run->figure(figure));
       const std::string separator = claim.explanation.empty() ? "" : ", ";
-      if (std::isnan(values.back())) {
+      if (stands_in && is_of_difference(figure)) {
+        claim.holds = false;
+        claim.explanation += fmt::format("{}{}.{} is not of {}, the reference", separator, name,
+                                         figure, comparison.planned_reference);
+      } else if (std::isnan(values.back())) {
         std::vector<std::string> known;
         for (const Figure& f : run->figures) known.push_back(f.name);
         claim.holds = false;

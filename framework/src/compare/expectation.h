@@ -11,13 +11,14 @@ namespace deform {
 
 /// The claims of a file, {"claims": ["gauss.flatness < terzopoulos.flatness", …]}: formulas over
 /// figures (RUN.FIGURE) and numbers with + - * / ^, abs(), min(), max(), comparisons, && and ||.
-/// `runs` are the names that there will be. Throws InputError with every problem: a file that is
-/// not of this form, a claim that is no formula, a run or figure that there cannot be.
+/// Throws InputError with every problem: a file that is not of this form, a claim that is no
+/// formula, a run or figure that the plan will not have.
 [[nodiscard]] std::vector<std::string> read_claims(const std::filesystem::path& file,
-                                                   const std::vector<std::string>& runs);
+                                                   const ComparisonPlan& plan);
 
-/// Looks at each claim. One that names a figure which is not there does not hold.
+/// Looks at each claim. One that names a figure which is not there does not hold; nor does one on
+/// differences from a reference that another run has stood in for.
 [[nodiscard]] std::vector<Claim> check_claims(const std::vector<std::string>& claims,
-                                              const std::vector<RunComparison>& runs);
+                                              const Comparison& comparison);
 
 }  // namespace deform

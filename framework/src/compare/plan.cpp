@@ -7,14 +7,15 @@
 #include <fmt/format.h>
 
 #include "deform/error.h"
-#include "deform/simulation/run.h"
 
 #include "compare/forked.h"
 #include "compare/run_names.h"
 #include "scene/json.h"
+#include "scene/json_pointer.h"
 #include "scene/nearest_name.h"
 #include "scene/scene_problems.h"
 #include "simulation/part_maker.h"
+#include "simulation/run_parts.h"
 
 namespace deform {
 namespace {
@@ -54,14 +55,18 @@ class Planner {
       : request_(request), registry_(std::move(registry)), interrupted_(interrupted) {}
 
   ComparisonPlan plan() {
-    const std::vector<Scene> written = read_variants(request_.scene, *registry_);
+    const Scene written = read_scene(request_.scene, *registry_);
     const std::vector<std::string> variants = chosen_variants(written);
+    check_variations();
+    throw_problems();
     plan_runs(variants);
     check_names();
+    check_dropped();
     throw_problems();
     const Scene base = read_scene(request_.scene, *registry_, request_.replacements);
     ComparisonPlan plan;
     plan.base = base.completed;
+    plan.base_files = base.files;
     plan.reference = choose_reference(base);
     plan.runs = std::move(runs_);
     make_parts(plan);
@@ -73,12 +78,12 @@ class Planner {
     if (!problems_.empty()) throw InputError(problems_);
   }
 
-  std::vector<std::string> chosen_variants(const std::vector<Scene>& written) {
-    std::vector<std::string> all;
-    for (const Scene& scene : written) all.push_back(scene.variant);
+  std::vector<std::string> chosen_variants(const Scene& written) {
+    std::vector<std::string> all{kBase};
+    all.insert(all.end(), written.variants.begin(), written.variants.end());
     if (request_.variants.empty()) {
       if (!request_.variations.empty()) return {kBase};
-      if (all.size() > 1 && !written.front().base_compared) all.erase(all.begin());
+      if (all.size() > 1 && !written.base_compared) all.erase(all.begin());
       return all;
     }
     std::vector<std::string> chosen;
@@ -92,6 +97,36 @@ class Planner {
       }
     }
     return chosen;
+  }
+
+  /// What is put first must not be replaced afterwards: runs would be the same in silence.
+  void check_variations() {
+    std::vector<std::pair<std::string, std::string>> earlier;  // option, pointer
+    for (const Replacement& set : request_.replacements)
+      if (set.source == "--set") earlier.emplace_back(set.source, set.pointer);
+    for (const Variation& variation : request_.variations) {
+      for (const auto& [option, pointer] : earlier)
+        if (is_within(pointer, variation.pointer))
+          problems_.push_back(
+              {variation.pointer,
+               fmt::format(
+                   "{0} {1} replaces what {2} {3} puts: give {3} behind it, or leave one out",
+                   kVary, variation.pointer, option, pointer)});
+      earlier.emplace_back(kVary, variation.pointer);
+    }
+  }
+
+  /// A parameter that no run's plugin has varies nothing.
+  void check_dropped() {
+    if (runs_.empty() || !problems_.empty()) return;
+    for (const Variation& variation : request_.variations)
+      if (std::ranges::all_of(runs_, [&](const PlannedRun& run) {
+            const auto& dropped = run.scene.dropped;
+            return std::ranges::find(dropped, variation.pointer) != dropped.end();
+          }))
+        problems_.push_back(
+            {variation.pointer, fmt::format("{} {}: the plugin of no run has such a parameter",
+                                            kVary, variation.pointer)});
   }
 
   void plan_runs(const std::vector<std::string>& variants) {
@@ -188,8 +223,11 @@ class Planner {
           maker.throw_problems();
           const auto refinement = surface->object->refinement();
           if (refinement.empty())
-            throw InputError(
-                fmt::format("--reference refined: {} cannot be refined", surface->origin));
+            throw InputError(fmt::format(
+                "--reference refined: {} does not say which of its parameters make its nodes twice "
+                "as close (Surface::refinement): name a variant with such a surface, --reference "
+                "NAME",
+                surface->origin));
           return Json(refinement).dump();
         },
         interrupted_);
@@ -200,17 +238,15 @@ class Planner {
     std::vector<Problem> problems;
     for (PlannedRun& run : plan.runs) {
       try {
-        (void)in_child(
-            [&] {
-              check(run.scene, registry_);
-              return std::string();
-            },
-            interrupted_);
+        const std::string columns =
+            in_child([&] { return Json(columns_of(run.scene)).dump(); }, interrupted_);
+        run.columns = Json::parse(columns).get<std::vector<std::string>>();
       } catch (const Error& e) {
         if (e.code() == ExitCode::interrupted) throw;
         run.refused = e.what();
         run.plugin_failed = e.code() == ExitCode::plugin_failed;
         if (const auto* bad = dynamic_cast<const InputError*>(&e)) {
+          if (run.name == kRefined) throw not_refined(*bad);
           problems.insert(problems.end(), bad->problems().begin(), bad->problems().end());
         }
       }
@@ -218,6 +254,24 @@ class Planner {
     const bool all =
         std::ranges::all_of(plan.runs, [](const auto& r) { return !r.refused.empty(); });
     if (all && !problems.empty()) throw InputError(std::move(problems));
+  }
+
+  /// Makes all that the run is made of; the columns of its probes.
+  std::vector<std::string> columns_of(const Scene& scene) {
+    RunParts parts = make_run_parts(scene, registry_);
+    begin_probes(parts, make_run_context(parts, {}));
+    std::vector<std::string> names;
+    for (const ProbeColumn& column : parts.probes->columns()) names.push_back(column.name);
+    return names;
+  }
+
+  /// What the scene lacks for a finer grid: a file of positions with more rows, say.
+  static InputError not_refined(const InputError& why) {
+    std::vector<Problem> problems = why.problems();
+    for (Problem& problem : problems)
+      problem.message =
+          "--reference refined: the scene on a grid twice as fine: " + problem.message;
+    return InputError(std::move(problems));
   }
 
   const ComparisonRequest& request_;

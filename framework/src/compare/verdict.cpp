@@ -82,6 +82,32 @@ void add_gaps(const Comparison& comparison, std::vector<std::string>& sentences)
                       run.name, run.compared, run.recorded, comparison.reference));
 }
 
+/// That the reference did not end as done, first of all: whatever is measured is measured by it.
+void add_reference(const Comparison& comparison, std::vector<std::string>& sentences) {
+  const auto planned =
+      std::ranges::find(comparison.runs, comparison.planned_reference, &RunComparison::name);
+  if (planned == comparison.runs.end() || planned->outcome.status == "done") return;
+  const bool stands_in = comparison.reference != comparison.planned_reference;
+  sentences.push_back(fmt::format(
+      "{} was to be the reference, but ended as \"{}\": {}", planned->name, planned->outcome.status,
+      stands_in
+          ? fmt::format("{}, the first run that is done, is in its place.", comparison.reference)
+          : "no run is done, and what is measured against it says little."));
+}
+
+/// Runs that a user may take for different ones.
+void add_same(const Comparison& comparison, std::vector<std::string>& sentences) {
+  constexpr std::size_t kMostNamed = 6;
+  std::size_t same = 0;
+  for (const RunComparison& run : comparison.runs) {
+    if (run.same_as.empty()) continue;
+    if (++same <= kMostNamed)
+      sentences.push_back(fmt::format("{} is the same scene as {}.", run.name, run.same_as));
+  }
+  if (same > kMostNamed)
+    sentences.push_back(fmt::format("So are {} others of earlier runs.", same - kMostNamed));
+}
+
 void add_failures(const Comparison& comparison, std::vector<std::string>& sentences) {
   for (const RunComparison& run : comparison.runs) {
     if (run.outcome.status != "done")
@@ -109,9 +135,11 @@ std::string length_text(double metres) {
 
 std::vector<std::string> sentences_of(const Comparison& comparison) {
   std::vector<std::string> sentences;
+  add_reference(comparison, sentences);
   add_distances(comparison, sentences);
   add_gaps(comparison, sentences);
   add_failures(comparison, sentences);
+  add_same(comparison, sentences);
   if (sentences.empty())
     sentences.push_back("There is nothing to compare: one run is all there is.");
   return sentences;

@@ -46,6 +46,29 @@ std::vector<Index> Reduction::free_nodes(int component) const {
   return nodes;
 }
 
+namespace {
+
+/// "7, 12, 7": the nodes of ties that wait for each other, from one of them round to it again.
+std::string circle_of(const std::vector<Tie>& waiting) {
+  const auto next = [&](const Freedom& freedom) {
+    const Tie& tie = *std::ranges::find(waiting, freedom, &Tie::freedom);
+    return std::ranges::find_if(tie.parts,
+                                [&](const Tie::Part& part) {
+                                  return std::ranges::find(waiting, part.of, &Tie::freedom) !=
+                                         waiting.end();
+                                })
+        ->of;
+  };
+  std::vector<Freedom> path{waiting.front().freedom};
+  while (std::ranges::count(path, path.back()) == 1) path.push_back(next(path.back()));
+  std::string text;
+  for (auto at = std::ranges::find(path, path.back()); at != path.end(); ++at)
+    text += (text.empty() ? "" : ", ") + std::to_string(at->node);
+  return text;
+}
+
+}  // namespace
+
 std::vector<Tie> Reduction::ties() const {
   std::vector<Tie> waiting, ordered;
   for (const Tie& tie : ties_)
@@ -69,8 +92,9 @@ std::vector<Tie> Reduction::ties() const {
       ordered.push_back(std::move(tie));
     }
     if (later.size() == waiting.size())
-      throw InputError("the constraints tie node " + std::to_string(later.front().freedom.node) +
-                       " to itself");
+      throw InputError("the constraints tie nodes to themselves, in a circle: " + circle_of(later) +
+                       "; what a side's derivatives must be for this is said of EdgeNode in "
+                       "deform/surface/surface.h");
     waiting = std::move(later);
   }
   return ordered;

@@ -21,6 +21,12 @@ void SceneProblems::add(const std::string& pointer, const std::string& rule) {
   problems_.push_back({pointer, place.at, std::move(place.source), rule});
 }
 
+void SceneProblems::add_missing_plugin(const std::string& pointer, const std::string& rule) {
+  const std::size_t before = problems_.size();
+  add(pointer, rule);
+  if (problems_.size() > before) problems_.back().plugin_missing = true;
+}
+
 void SceneProblems::add_at_key(const std::string& pointer, const std::string& rule) {
   if (takes_no_more()) return;
   ScenePlace place = places_.of_key(pointer);

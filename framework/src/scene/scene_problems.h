@@ -11,10 +11,11 @@ namespace deform {
 
 /// One thing wrong with a scene, and where its value was written.
 struct SceneProblem {
-  std::string pointer;  ///< In the scene.
-  SourcePosition at;    ///< In the file; unknown if the value is not from there.
-  std::string source;   ///< "scene.json:3:7", or "--set /duration".
-  std::string rule;     ///< What was found, and what should be.
+  std::string pointer;          ///< In the scene.
+  SourcePosition at;            ///< In the file; unknown if the value is not from there.
+  std::string source;           ///< "scene.json:3:7", or "--set /duration".
+  std::string rule;             ///< What was found, and what should be.
+  bool plugin_missing = false;  ///< A plugin cannot be loaded: it is not there, or does not fit.
 
   bool operator==(const SceneProblem&) const = default;
 };
@@ -29,6 +30,8 @@ class SceneProblems {
   explicit SceneProblems(const JsonDocument& document) : document_(document), places_(document) {}
 
   void add(const std::string& pointer, const std::string& rule);
+  /// That a plugin cannot be loaded.
+  void add_missing_plugin(const std::string& pointer, const std::string& rule);
   /// At the key of an object's member rather than at its value.
   void add_at_key(const std::string& pointer, const std::string& rule);
   /// The same for a member that should not be there; unknown_keys() knows it then.

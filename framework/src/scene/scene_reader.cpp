@@ -43,13 +43,11 @@ bool is_variant_name(const std::string& name) {
 std::optional<Json> replacement_value(const std::string& text) {
   const JsonDocument document = JsonDocument::parse(text, "");
   if (document.problems().empty()) return document.root();
-  try {
-    (void)Json(text).dump();
-  } catch (const Json::type_error&) {
-    return std::nullopt;
-  }
+  if (!is_utf8(text)) return std::nullopt;
   return Json(text);
 }
+
+bool is_of_missing_plugin(const SceneProblem& problem) { return problem.plugin_missing; }
 
 /// A scene's document and all that can be made of it: the base, its variants, and one of these with
 /// replacements.
@@ -68,6 +66,7 @@ class SceneDocument {
   Scene read(const std::vector<Replacement>& replacements, const std::string& wanted) {
     prepare();
     check_name(wanted);
+    as_it_stands_ = replacements.empty() ? wanted : "";
     Scene scene;
     check_all([&](Reading& reading) {
       if (reading.scene.variant != wanted) return;
@@ -76,6 +75,7 @@ class SceneDocument {
     });
     if (makes_parts_) look_at_parts(wanted, replacements);
     throw_found();
+    scene.elsewhere = std::move(elsewhere_);
     return scene;
   }
 
@@ -123,6 +123,31 @@ class SceneDocument {
       if (std::find(known.begin(), known.end(), problem) != known.end()) continue;
       found_.push_back(to_problem(problem, variant == kBase ? "" : variant));
     }
+  }
+
+  /// The same of a reading of the file as it stands. Plugins must be there for what is wanted
+  /// alone; returns the problems that are problems whatever is wanted.
+  std::vector<SceneProblem> note_as_it_stands(const std::vector<SceneProblem>& problems,
+                                              const std::string& variant,
+                                              const std::vector<SceneProblem>& known) {
+    if (!as_it_stands_) {
+      note(problems, variant, known);
+      return problems;
+    }
+    std::vector<SceneProblem> lasting = problems;
+    std::erase_if(lasting, is_of_missing_plugin);
+    if (*as_it_stands_ == variant) {
+      note(problems, variant, known);
+      return lasting;
+    }
+    note(lasting, variant, known);
+    for (const SceneProblem& problem : problems) {
+      if (!problem.plugin_missing || std::ranges::find(missing_, problem) != missing_.end())
+        continue;
+      missing_.push_back(problem);
+      elsewhere_.push_back(to_problem(problem, variant == kBase ? "" : variant));
+    }
+    return lasting;
   }
 
   /// Throws unless the text is JSON, and not too much of it; then knows the variants.
@@ -192,13 +217,12 @@ class SceneDocument {
   /// again for the others.
   void check_all(const std::function<void(Reading&)>& take) {
     Reading base = read_one(kBase, {});
-    const std::vector<SceneProblem> known = base.problems;
-    note(known, kBase, {});
+    const std::vector<SceneProblem> known = note_as_it_stands(base.problems, kBase, {});
     take(base);
     for (const auto& [name, changes] : variants_) {
       if (found_.size() >= SceneProblems::kMost) break;  // enough to read, and to repair
       Reading variant = read_one(name, {});
-      note(variant.problems, name, known);
+      (void)note_as_it_stands(variant.problems, name, known);
       take(variant);
     }
   }
@@ -208,6 +232,7 @@ class SceneDocument {
                  std::vector<SceneProblem> known) {
     const std::vector<SceneProblem> of_base = read_one(kBase, {}).problems;
     known.insert(known.end(), of_base.begin(), of_base.end());
+    std::erase_if(known, is_of_missing_plugin);
     Reading reading = read_one(wanted, replacements);
     note(reading.problems, wanted, known);
     return std::move(reading.scene);
@@ -222,11 +247,12 @@ class SceneDocument {
     for (const Replacement& replacement : replacements) {
       apply_replacement(json, replacement, problems);
     }
-    std::vector<std::string> dropped = drop_parameters(json, replacements);
+    std::vector<Replacement> changes = changes_of(variant);
+    changes.insert(changes.end(), replacements.begin(), replacements.end());
+    std::vector<std::string> dropped = drop_parameters(json, changes);
     Reading reading{read_scene_json(json, registry_, folder_, problems), problems.sorted()};
     Scene& scene = reading.scene;
-    scene.changes = changes_of(variant);
-    scene.changes.insert(scene.changes.end(), replacements.begin(), replacements.end());
+    scene.changes = std::move(changes);
     scene.dropped = std::move(dropped);
     scene.file = file_;
     scene.variant = variant;
@@ -262,15 +288,14 @@ class SceneDocument {
     }
   }
 
-  /// Removes the members that are unknown to a plugin which a replacement put in, and returns their
-  /// pointers. A reading that is thrown away tells which these are.
-  std::vector<std::string> drop_parameters(Json& json,
-                                           const std::vector<Replacement>& replacements) {
-    std::vector<std::string> owners, dropped;
-    for (const Replacement& replacement : replacements) {
-      if (replacement.drops_parameters && replacement.pointer.ends_with("/plugin")) {
-        owners.push_back(parent_pointer(replacement.pointer));
-      }
+  /// Removes the members that are unknown to a plugin which a change put in, and returns their
+  /// pointers; those that a change says itself stay, to be refused. A reading that is thrown away
+  /// tells which these are.
+  std::vector<std::string> drop_parameters(Json& json, const std::vector<Replacement>& changes) {
+    std::vector<std::string> owners, said, dropped;
+    for (const Replacement& change : changes) {
+      if (change.pointer.ends_with("/plugin")) owners.push_back(parent_pointer(change.pointer));
+      if (!change.may_be_dropped) said.push_back(change.pointer);
     }
     if (owners.empty()) return dropped;
     SceneProblems ignored(document_);
@@ -278,6 +303,8 @@ class SceneDocument {
     (void)read_scene_json(copy, registry_, folder_, ignored);
     for (const std::string& unknown : ignored.unknown_keys()) {
       if (std::ranges::find(owners, parent_pointer(unknown)) == owners.end()) continue;
+      if (std::ranges::any_of(said, [&](const std::string& s) { return is_within(s, unknown); }))
+        continue;
       json[Json::json_pointer(parent_pointer(unknown))].erase(pointer_steps(unknown)->back());
       dropped.push_back(unknown);
     }
@@ -313,7 +340,10 @@ class SceneDocument {
   bool makes_parts_;
   Json base_;  // without variants
   std::vector<std::pair<std::string, Json>> variants_;
-  std::vector<Problem> found_;
+  /// The variant that is wanted without replacements, "" where there are some; none: all are.
+  std::optional<std::string> as_it_stands_;
+  std::vector<Problem> found_, elsewhere_;
+  std::vector<SceneProblem> missing_;  // what elsewhere_ says
 };
 
 }  // namespace

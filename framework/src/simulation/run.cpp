@@ -1,29 +1,38 @@
 #include "deform/simulation/run.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <exception>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 
 #include "plugin/process_end.h"
 #include "profile/profile.h"
 #include "record/trajectory_writer.h"
 #include "scene/json.h"
 #include "simulation/checkpoint.h"
+#include "simulation/energy_guard.h"
 #include "simulation/files.h"
+#include "simulation/folder_lock.h"
 #include "simulation/manifest.h"
 #include "simulation/memory_sections.h"
+#include "simulation/old_run.h"
 #include "simulation/resumption.h"
 #include "simulation/run_directory.h"
 #include "simulation/run_log.h"
 #include "simulation/run_parts.h"
+#include "simulation/scene_files.h"
+#include "simulation/sha256.h"
 #include "simulation/step_watch.h"
 #include "solve/not_finite.h"
 #include "solve/stopwatch.h"
@@ -31,16 +40,28 @@
 namespace deform {
 namespace {
 
-/// Where a checkpoint keeps how long the trajectory was.
-constexpr const char* kTrajectoryBytes = "trajectory/bytes";
+constexpr const char *kProbesFile = "probes.csv", *kSummaryFile = "summary.json";
+/// Where a checkpoint keeps the steps between frames.
+constexpr const char* kFrameInterval = "trajectory/interval";
 constexpr const char* kNothingWritten = "interrupted before the first step; nothing was written";
 /// What a profiled run leaves in its directory.
 constexpr const char *kProfileTable = "profile.txt", *kProfileTrace = "trace.json";
 
-std::size_t trajectory_bytes(const Checkpoint& checkpoint) {
-  const double bytes = checkpoint.memory.get(kTrajectoryBytes, 1).front();
-  if (!(bytes > 0 && bytes < 0x1p53)) throw InputError("its length of the trajectory is not one");
-  return static_cast<std::size_t>(bytes);
+/// Bytes of a file that a checkpoint goes on from.
+std::size_t bytes_of(const Checkpoint& checkpoint, const char* name) {
+  const WrittenFile* file = checkpoint.file(name);
+  if (file == nullptr || file->bytes == 0) throw InputError(fmt::format("it knows no {}", name));
+  return file->bytes;
+}
+
+/// A run that is prolonged keeps the interval that it began with: about a hundred frames of a
+/// longer run would lie farther apart.
+long frame_interval_of(const Checkpoint& checkpoint) {
+  constexpr double kMost = 0x1p53;
+  const double interval = checkpoint.memory.get(kFrameInterval, 1).front();
+  if (!(interval >= 1 && interval < kMost && interval == std::floor(interval)))
+    throw InputError("its steps between frames are no number of steps");
+  return static_cast<long>(interval);
 }
 
 /// One run from its first to its last file.
@@ -48,12 +69,16 @@ class Recording {
  public:
   /// Throws InputError when the scene or the checkpoint cannot be used; writes nothing.
   Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-            const RunOptions& options, Resumption found, StepWatch& watch);
+            const RunOptions& options, Manifest manifest, Resumption found,
+            std::optional<FolderLock> lock, StepWatch& watch);
   RunResult execute();
 
  private:
   void load_checkpoint();
+  void require_unchanged_files() const;
   void prepare_folder();
+  void take_folder();
+  void begin_folder();
   void start();
   void open_trajectory();
   void step_to_end();
@@ -73,10 +98,14 @@ class Recording {
   /// time.
   template <class Action>
   void apart_from_model(const Action& action);
+  template <class Action>
+  void apart_from_model(const Frame& frame, const Action& action);
   void end_with(ExitCode code, const std::string& reason);
   void end_with(const Error& error);
   void finish();
+  void close_files();
   void write_profile();
+  void keep_old_run();
   /// For what comes after the end: a failure counts only where there was none before.
   template <class Action>
   void and_also(const Action& action);
@@ -92,13 +121,16 @@ class Recording {
   const Scene& scene_;
   const RunOptions& options_;
   std::filesystem::path folder_;
+  std::optional<FolderLock> lock_;
+  Manifest manifest_;
   Resumption found_;
   RunParts parts_;
   std::optional<RunContext> context_;
-  Manifest manifest_;
+  std::optional<RunLog> log_;
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Profile> profile_;
   CheckpointSchedule schedule_;
+  EnergyGuard energy_guard_;
   StepWatch& watch_;
   /// What to go on from if the step under way is thrown away; of long steps alone.
   std::optional<Checkpoint> before_step_;
@@ -107,6 +139,8 @@ class Recording {
   StepTimes times_before_step_;  // the step that is given up may still write the System's
   bool gave_step_up_ = false;
   std::optional<LastNote> last_note_;
+  bool has_set_aside_ = false;  // an old run, until the first step
+  long frame_interval_;
   long checkpoint_step_ = -1;  // of the checkpoint in the folder
   std::optional<Diverged> divergence_;
   RunResult result_;
@@ -114,16 +148,21 @@ class Recording {
 };
 
 Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-                     const RunOptions& options, Resumption found, StepWatch& watch)
+                     const RunOptions& options, Manifest manifest, Resumption found,
+                     std::optional<FolderLock> lock, StepWatch& watch)
     : scene_(scene),
       options_(options),
       folder_(std::filesystem::absolute(options.folder)),
+      lock_(std::move(lock)),
+      manifest_(std::move(manifest)),
       found_(std::move(found)),
       parts_(make_run_parts(scene, registry)),
-      manifest_(scene, *registry, options),
       schedule_(scene),
-      watch_(watch) {
+      energy_guard_(parts_.simulation->system(), parts_.simulation->integrator()),
+      watch_(watch),
+      frame_interval_(scene.frame_interval()) {
   parts_.simulation->stop_when(&watch_.stop());
+  require_unchanged_files();
   context_.emplace(make_run_context(parts_, folder_));
   if (found_.checkpoint) context_->resumed_at = found_.checkpoint->step;
   begin_probes(parts_, *context_);  // may still reject the scene, so comes before the folder
@@ -138,7 +177,10 @@ void Recording::load_checkpoint() {
     if (parts_.simulation->steps() != checkpoint.step)
       throw InputError("its numbers of steps are two");
     parts_.probes->load(checkpoint.memory);
-    if (scene_.frames_written) (void)trajectory_bytes(checkpoint);
+    if (scene_.frames_written) {
+      (void)bytes_of(checkpoint, kTrajectoryFile);
+      if (scene_.frames_every == 0) frame_interval_ = frame_interval_of(checkpoint);
+    }
   } catch (const InputError& e) {
     throw InputError(
         fmt::format("cannot resume from {}: {}", checkpoint_file(folder_).string(), e.what()));
@@ -146,30 +188,66 @@ void Recording::load_checkpoint() {
   checkpoint_step_ = result_.resumed_after = checkpoint.step;
 }
 
+/// What the manifest says of the files must hold for what the parts were made of.
+void Recording::require_unchanged_files() const {
+  const std::vector<HashedFile> now = hashed_files(scene_);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (now[i].sha256 != manifest_.files()[i].sha256)
+      throw InputError({{now[i].pointer, fmt::format("{} changed while it was read: run it again",
+                                                     now[i].path.string())}});
+  }
+}
+
+/// A folder that was not there before: another process may have made it meanwhile.
+void Recording::take_folder() {
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder_, error)) make_run_directory(folder_);
+  lock_.emplace(folder_);
+  if (!holds_nothing(folder_)) check_run_directory(folder_, options_.force || options_.resume);
+}
+
 void Recording::prepare_folder() {
+  if (!lock_) take_folder();
   if (found_.checkpoint) {
     remove_half_written(folder_);
+  } else if (options_.force && !options_.resume && !holds_nothing(folder_)) {
+    has_set_aside_ = true;
+    set_old_run_aside(folder_);
   } else {
     make_run_directory(folder_);
   }
   manifest_.write(folder_);  // first: from here on the folder is known as one of ours
 }
 
+/// Throws where nothing can be written; the old run is then still there.
+void Recording::begin_folder() {
+  try {
+    prepare_folder();
+    log_.emplace(folder_ / "log.txt", found_.checkpoint.has_value());
+  } catch (...) {
+    if (has_set_aside_) give_old_run_back(folder_);
+    throw;
+  }
+}
+
 RunResult Recording::execute() {
-  prepare_folder();
-  const RunLog log(folder_ / "log.txt", found_.checkpoint.has_value());
+  begin_folder();
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
+  for (const Problem& remark : remarks(scene_)) log::warn(remark.message);
   if (found_.checkpoint) {
     log::info(fmt::format("resumed after step {}", checkpoint_step_));
-    manifest_.resume(checkpoint_step_, found_.manifest);
+    manifest_.resume(checkpoint_step_);
     manifest_.write(folder_);
+    if (frame_interval_ != scene_.frame_interval())
+      log::info(fmt::format("frames go on every {} steps, as the run began", frame_interval_));
   } else if (options_.resume && !found_.planned) {
     log::warn(fmt::format("there is no checkpoint in {}: the run starts anew", folder_.string()));
   }
-  write_atomically(folder_ / "scene.json", scene_.completed);
+  for (const Problem& remark : remarks_on(parts_)) log::warn(remark.message);
   const auto [before, after] = manifest_.if_process_ends();
-  last_note_.emplace(folder_ / "manifest.json", before, after);
+  last_note_.emplace(folder_ / kManifestFile, before, after);
   try {
+    write_atomically(folder_ / "scene.json", scene_text(scene_, folder_));
     for (const std::string& note : parts_.simulation->system().notes()) log::info(note);
     start();
     const Profile::Active active(profile_ ? &*profile_ : nullptr);
@@ -189,19 +267,27 @@ RunResult Recording::execute() {
     end_with(ExitCode::internal_error, e.what());
   }
   finish();
+  if (has_set_aside_) keep_old_run();
   return std::move(result_);
 }
 
+/// The new run ended before its first step.
+void Recording::keep_old_run() {
+  give_old_run_back(folder_);
+  result_.kept_old_run = true;
+  result_.reason += fmt::format("; the run that was in '{}' stays", options_.folder.string());
+}
+
 void Recording::start() {
-  parts_.probes->open(folder_ / "probes.csv",
-                      found_.checkpoint ? found_.checkpoint->table_bytes : 0);
+  parts_.probes->open(folder_ / kProbesFile,
+                      found_.checkpoint ? bytes_of(*found_.checkpoint, kProbesFile) : 0);
   if (scene_.frames_written) open_trajectory();
   parts_.outputs->begin(*context_);
   if (found_.checkpoint) parts_.outputs->load(found_.checkpoint->memory);
 }
 
 void Recording::open_trajectory() {
-  const std::size_t keep = found_.checkpoint ? trajectory_bytes(*found_.checkpoint) : 0;
+  const std::size_t keep = found_.checkpoint ? bytes_of(*found_.checkpoint, kTrajectoryFile) : 0;
   Simulation& simulation = *parts_.simulation;
   trajectory_.emplace(folder_ / kTrajectoryFile, simulation.system(), simulation.size(), keep);
 }
@@ -211,6 +297,7 @@ void Recording::step_to_end() {
     const auto begun = std::chrono::steady_clock::now();
     step();
     last_step_ = std::chrono::steady_clock::now() - begun;
+    if (std::exchange(has_set_aside_, false)) drop_old_run(folder_);
     if (profile_) profile_->end_step();
     if (options_.progress) options_.progress(parts_.simulation->steps(), scene_.steps());
   }
@@ -220,10 +307,19 @@ void Recording::step() {
   const std::function<void()> give_up = [this] { give_step_up(); };
   const StepWatch::Span watched(watch_, give_up);
   times_before_step_ = parts_.simulation->system().times();
-  parts_.simulation->step();
-  if (!parts_.probes->none()) {
-    apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
-  }
+  const bool watches = energy_guard_.watches(parts_.simulation->steps());
+  if (parts_.probes->none() && !watches) return parts_.simulation->step();
+  if (watches) apart_from_model([this](const Frame& frame) { energy_guard_.begin(frame); });
+  parts_.simulation->step([&](const Frame& at_break) {
+    apart_from_model(at_break, [&] {
+      if (watches) energy_guard_.at_break(at_break);
+      parts_.probes->follow_break(at_break);
+    });
+  });
+  apart_from_model([&](const Frame& frame) {
+    if (watches) energy_guard_.end(frame);
+    parts_.probes->follow(frame);
+  });
 }
 
 void Recording::give_step_up() {
@@ -282,14 +378,16 @@ Checkpoint Recording::make_checkpoint() {
   Simulation& simulation = *parts_.simulation;
   writing_.drain();  // files of earlier steps are there before what relies on them
   Checkpoint checkpoint;
-  checkpoint.scene = identity_of(scene_);
+  checkpoint.scene = identity_of(scene_.completed, manifest_.files());
   checkpoint.step = simulation.steps();
-  checkpoint.table_bytes = parts_.probes->sync();  // on disk before what relies on it
+  checkpoint.files = parts_.outputs->files(folder_);
+  checkpoint.files.push_back(parts_.probes->sync());  // on disk before what relies on it
   save_section(simulation, "simulation", checkpoint.memory);
   parts_.probes->save(checkpoint.memory);
   parts_.outputs->save(checkpoint.memory);
   if (trajectory_) {
-    checkpoint.memory.put(kTrajectoryBytes, {static_cast<double>(trajectory_->sync())});
+    checkpoint.files.push_back(trajectory_->sync());
+    checkpoint.memory.put(kFrameInterval, {static_cast<double>(frame_interval_)});
   }
   return checkpoint;
 }
@@ -303,10 +401,15 @@ void Recording::write(const Checkpoint& checkpoint) {
 template <class Action>
 void Recording::apart_from_model(const Action& action) {
   const Frame frame = parts_.simulation->frame();
+  apart_from_model(frame, [&] { action(frame); });
+}
+
+template <class Action>
+void Recording::apart_from_model(const Frame& frame, const Action& action) {
   const StepTimes model = frame.system.times();
   const double before = seconds();
   try {
-    action(frame);
+    action();
   } catch (const NotFinite& e) {
     throw e.at_step(frame.step, "recording");
   }
@@ -315,7 +418,7 @@ void Recording::apart_from_model(const Action& action) {
 }
 
 bool Recording::frame_due(long step) const {
-  return trajectory_.has_value() && step % scene_.frame_interval() == 0;
+  return trajectory_.has_value() && step % frame_interval_ == 0;
 }
 
 void Recording::record(bool all_probes, bool all_outputs) {
@@ -378,6 +481,7 @@ void Recording::finish() {
   and_also([this] { writing_.drain(); });
   and_also([this] { parts_.outputs->end(); });
   if (profile_ && !gave_step_up_) and_also([this] { write_profile(); });
+  close_files();
 
   Simulation& simulation = *parts_.simulation;
   result_.steps = simulation.steps();
@@ -388,15 +492,26 @@ void Recording::finish() {
     result_.figures.emplace_back(header_of(columns[i]), parts_.probes->summaries()[i].last);
   }
   and_also([this] {
-    write_atomically(folder_ / "summary.json",
-                     summary().dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+    const std::string text = summary().dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+    write_atomically(folder_ / kSummaryFile, text);
+    manifest_.add_result({kSummaryFile, text.size(), sha256_of(text)});
   });
   result_.wall_seconds = seconds();
   log::info(fmt::format("{} after {} steps and {:.3f} s", status_of(result_.code), result_.steps,
                         result_.wall_seconds));
   last_note_.reset();
+  and_also([this] { log_->close(); });
   manifest_.finish(result_, simulation.system().solver_choice());
   and_also([this] { manifest_.write(folder_); });
+}
+
+void Recording::close_files() {
+  and_also([this] {
+    if (const auto table = parts_.probes->close()) manifest_.add_result(*table);
+  });
+  and_also([this] {
+    if (trajectory_) manifest_.add_result(trajectory_->close());
+  });
 }
 
 void Recording::write_profile() {
@@ -438,16 +553,28 @@ RunResult already_finished(const Scene& scene, const std::filesystem::path& fold
   return result;
 }
 
+/// Holds a folder that is there, and undoes what a process that was killed has left half done.
+std::optional<FolderLock> hold(const std::filesystem::path& folder) {
+  std::optional<FolderLock> lock;
+  std::error_code error;
+  if (!std::filesystem::is_directory(folder, error)) return lock;
+  lock.emplace(folder);
+  give_old_run_back(folder);
+  return lock;
+}
+
 }  // namespace
 
 RunResult run(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
               const RunOptions& options) {
+  require_unheld(options.folder);
+  check_run_directory(options.folder, options.force || options.resume);
+  std::optional<FolderLock> lock = hold(options.folder);
+  Manifest manifest(scene, *registry, options);
   Resumption found;
   if (options.resume) {
-    found = look_for_run(options.folder, scene);
+    found = look_for_run(options.folder, scene, manifest);
     if (found.finished) return already_finished(scene, options.folder);
-  } else {
-    check_run_directory(options.folder, options.force);
   }
   StepWatch watch(options.interrupted);
   std::optional<Recording> recording;
@@ -459,7 +586,8 @@ RunResult run(const Scene& scene, std::shared_ptr<const PluginRegistry> registry
       if (options.abandon) options.abandon(result);
     };
     const StepWatch::Span watched(watch, give_up);
-    recording.emplace(scene, std::move(registry), options, std::move(found), watch);
+    recording.emplace(scene, std::move(registry), options, std::move(manifest), std::move(found),
+                      std::move(lock), watch);
   }
   if (options.interrupted != nullptr && options.interrupted->load())
     throw Error(ExitCode::interrupted, kNothingWritten);

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "deform/simulation/run.h"
 
 #include "simulation/part_maker.h"
@@ -25,7 +27,8 @@ RunParts make_run_parts(const Scene& scene, const std::shared_ptr<const PluginRe
     maker.add(e.problems());
   }
   if (surface != nullptr) {
-    const Setup setup = maker.setup(*surface, surface->rest());
+    const NodeValues areas = areas_of_mass(*surface, scene.material);
+    const Setup setup = maker.setup(*surface, surface->rest(), areas);
     parts.probes.emplace(scene.probes, maker, setup);
     add_shadows(scene, *registry, maker, setup, *parts.probes);
     parts.outputs.emplace(scene.outputs, maker, setup);
@@ -59,7 +62,8 @@ std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginReg
   if (scene.surface.parameters == nullptr) return {};
   PartMaker maker(scene, {std::shared_ptr<const PluginRegistry>(), &registry});
   if (const auto surface = maker.make<Surface>(scene.surface, maker.setup())) {
-    const Setup setup = maker.setup(*surface->object, surface->object->rest());
+    const NodeValues areas = areas_of_mass(*surface->object, scene.material);
+    const Setup setup = maker.setup(*surface->object, surface->object->rest(), areas);
     (void)maker.make_all<EnergyTerm>(scene.energies, setup);
     (void)maker.make_all<ForceField>(scene.forces, setup);
     (void)maker.make_all<Constraint>(scene.constraints, setup);
@@ -72,9 +76,28 @@ std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginReg
   return maker.problems();
 }
 
-void check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry) {
+std::vector<Problem> remarks_on(const RunParts& parts) {
+  const Scene& scene = parts.simulation->scene();
+  std::vector<Problem> remarks;
+  if (parts.simulation->integrator().lags_coefficients()) return remarks;
+  const auto remark = [&](const std::string& pointer) {
+    remarks.push_back(scene.located(
+        {pointer,
+         fmt::format("at {}: {} takes coefficients and jets from one state, where estimators like "
+                     "gauss are exact: these angles, of coefficients a step old, are of no force "
+                     "in this run; those of semi_implicit are",
+                     pointer, scene.integrator.name)}));
+  };
+  for (const RecorderUse& probe : scene.probes)
+    if (probe.use.name == "normal_error") remark(probe.use.pointer);
+  if (!scene.shadows.empty()) remark("/shadow");
+  return remarks;
+}
+
+std::vector<Problem> check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry) {
   RunParts parts = make_run_parts(scene, registry);
   begin_probes(parts, make_run_context(parts, {}));
+  return remarks_on(parts);
 }
 
 }  // namespace deform

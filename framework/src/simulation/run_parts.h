@@ -30,6 +30,9 @@ struct RunParts {
 /// Begins the probes. Throws InputError for what one of them rejects.
 void begin_probes(RunParts& parts, const RunContext& context);
 
+/// What is no error, though the user may not have meant it; each with its place.
+[[nodiscard]] std::vector<Problem> remarks_on(const RunParts& parts);
+
 /// The problems that show when the parts of a scene are made that the reader found nothing wrong
 /// with; for scenes with other problems, so that all are said at once. Empty where there is no
 /// surface to make them for.

@@ -59,7 +59,7 @@ void System::Impl::make_tangent_solver() {
 std::span<const Geometries> System::Impl::geometries_of_tangent() {
   return geometries_of_sets([&](SetPart& set) {
     const Geometries at = geometries(set);
-    return tangent_is_foreseen ? Geometries{at.now, set.before, at.rest} : at;
+    return tangent_is_foreseen ? Geometries{at.now, set.before, at.rest, nullptr, at.mean} : at;
   });
 }
 

@@ -32,7 +32,8 @@ struct Parting {
 struct RunComparison {
   std::string name;
   RunOutcome outcome;
-  std::vector<std::string> dropped;  ///< pointers of parameters that a varied plugin does not have
+  std::vector<std::string> dropped;  ///< pointers of parameters that a plugin put in has not
+  std::string same_as;  ///< an earlier run with the very same scene; empty: there is none
   bool is_reference = false;
   std::string impossible;  ///< why it was not measured against the reference; empty: it was
   std::size_t compared = 0, recorded = 0;  ///< recorded times at which it was measured, and all
@@ -59,10 +60,14 @@ struct ComparisonOptions {
   bool force = false;                     ///< replace an existing comparison directory
   std::filesystem::path expectation;      ///< empty: none
   std::vector<std::string> command_line;  ///< for the manifest
+  std::string commit{};                   ///< of the program's sources, for the manifest
 };
 
 struct Comparison {
+  /// What the others are measured against: the planned one or, where that did not end as done, the
+  /// first run that did (the planned one again where none did).
   std::string reference;
+  std::string planned_reference;
   double tolerance = 0;                ///< [m]
   std::vector<RunComparison> runs;     ///< in the order of the plan
   std::vector<std::string> sentences;  ///< what came out, the first one being the headline

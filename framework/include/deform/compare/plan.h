@@ -42,12 +42,15 @@ struct PlannedRun {
   Scene scene;
   std::string refused{};       ///< why it cannot be run: what showed when its parts were made
   bool plugin_failed = false;  ///< then: a plugin threw, rather than the scene was wrong
+  /// Names of its probes' columns; empty of a run that is refused.
+  std::vector<std::string> columns{};
 };
 
 struct ComparisonPlan {
   std::vector<PlannedRun> runs;  ///< in the order of the file and of the values
   std::string reference;         ///< a run's name
   std::string base;  ///< the scene without variants and variations, complete, as JSON text
+  std::vector<SceneFile> base_files{};  ///< that it names
 };
 
 /// The name of the run with the finer grid.

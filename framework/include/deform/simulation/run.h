@@ -25,6 +25,8 @@ struct RunResult {
   double stepping_seconds =
       0;                ///< of wall_seconds: from the first step to the last, recording included
   std::string profile;  ///< the table of profile.txt; empty unless asked for
+  /// The run took no step, and the one that it was to replace (RunOptions::force) is still there.
+  bool kept_old_run = false;
 };
 
 struct RunOptions {
@@ -47,14 +49,17 @@ struct RunOptions {
   /// the run waits for the step.
   std::function<void(const RunResult&)> abandon{};
   std::vector<std::string> command_line;  ///< for the manifest
+  std::string commit{};                   ///< of the program's sources, for the manifest
 };
 
 /// How a run ended: "done", "diverged", "plugin failed", "interrupted" or "failed".
 [[nodiscard]] DEFORM_API const char* status_of(ExitCode code);
 
 /// Makes everything that a run of the scene is made of, runs nothing and writes nothing. Throws
-/// InputError with every problem found, as `run` would before it writes anything.
-DEFORM_API void check(const Scene& scene, std::shared_ptr<const PluginRegistry> registry);
+/// InputError with every problem found, as `run` would before it writes anything. Returns what is
+/// no error, though the user may not have meant it; `run` puts the same into the log.
+DEFORM_API std::vector<Problem> check(const Scene& scene,
+                                      std::shared_ptr<const PluginRegistry> registry);
 
 /// Runs a scene to its end and writes the run directory: scene.json, manifest.json, probes.csv,
 /// summary.json, log.txt and the outputs. Divergence, interruption and plugin failures are results

@@ -18,12 +18,14 @@ namespace deform {
 
 /// A value to put at a JSON pointer before the scene is checked (`--set`); the text is JSON, else a
 /// string. A pointer that ends with /- puts it behind the last item of a list.
+///
+/// Where a variant or a replacement puts another plugin in (/…/plugin), parameters that this one
+/// does not have, which were said to the one before, are dropped: see Scene::dropped. Those that a
+/// variant or a replacement says itself are refused, unless `may_be_dropped`.
 struct Replacement {
   std::string pointer;
   std::string value;
-  /// Where another plugin is put in (/…/plugin), parameters that it does not have are dropped
-  /// rather than refused: what was said to the one before.
-  bool drops_parameters = false;
+  bool may_be_dropped = false;   ///< as in a grid, where some plugins have the parameter
   std::string source = "--set";  ///< who says so, for messages
 };
 
@@ -55,6 +57,12 @@ struct InitialVelocity {
   std::optional<Vec3> about;    ///< [m]; none: the centre of mass of the initial state
 };
 
+/// A file that a scene names: the map of a field, the positions of a shape.
+struct SceneFile {
+  std::string pointer;         ///< where the scene says it
+  std::filesystem::path path;  ///< absolute
+};
+
 /// A scene with defaults filled in; every plugin that it names exists and every parameter is in
 /// range.
 struct DEFORM_API Scene {
@@ -63,6 +71,7 @@ struct DEFORM_API Scene {
   std::string title;
   PluginUse surface;
   Material material;
+  bool density_is_given = false;  ///< else a sheet that an energy's material names may have one
   std::vector<PluginUse> energies, forces, constraints;
   std::vector<ColliderUse> colliders;
   PluginUse integrator;
@@ -82,11 +91,15 @@ struct DEFORM_API Scene {
   double tolerance = 0.01;            ///< of comparisons: distance at which variants part, in sizes
   std::vector<std::string> variants;  ///< names in the order of the file; without "base"
   std::vector<Replacement> changes;   ///< made to the base: the variant's, then replacements
-  std::vector<std::string> dropped;   ///< pointers of parameters that Replacement dropped
+  std::vector<std::string> dropped;   ///< pointers of parameters that a plugin put in has not
   std::string completed;              ///< the scene as JSON text with every default written out
+  std::vector<SceneFile> files;       ///< that it names, in the order of the text
 
   /// Where the value at a JSON pointer was written: "FILE:LINE:COLUMN" or "--set POINTER".
   std::function<std::string(const std::string& pointer)> place;
+  /// What is wrong with the base or another variant and is of no concern to this one: plugins that
+  /// are not there. Each with its place, as problems have it.
+  std::vector<Problem> elsewhere;
 
   [[nodiscard]] long steps() const;           ///< duration / step, rounded
   [[nodiscard]] long frame_interval() const;  ///< steps between frames: about a hundred, if unsaid

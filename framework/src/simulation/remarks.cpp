@@ -1,10 +1,10 @@
-#include "remarks.h"
+#include "deform/simulation/remarks.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 
-namespace deform::app {
+namespace deform {
 namespace {
 
 /// Of a step: far more than rounding makes of the quotient, far less than anybody means.
@@ -21,7 +21,13 @@ std::vector<Problem> remarks(const Scene& scene) {
          fmt::format("{} s is no whole number of steps of {} s: {} are run, to {:.6g} s",
                      scene.duration, scene.step, steps, steps * scene.step)}));
   }
+  for (const std::string& pointer : scene.dropped)
+    found.push_back(scene.located(
+        {pointer,
+         fmt::format("at {}: dropped, as the plugin put in has no such parameter", pointer)}));
+  for (const Problem& problem : scene.elsewhere)
+    found.push_back({problem.pointer, problem.message + " (not needed for this run)"});
   return found;
 }
 
-}  // namespace deform::app
+}  // namespace deform
