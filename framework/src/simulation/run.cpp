@@ -327,6 +327,7 @@ void Recording::give_step_up() {
   gave_step_up_ = true;
   end_within_step();
   finish();
+  if (has_set_aside_) keep_old_run();
   options_.abandon(result_);
 }
 
