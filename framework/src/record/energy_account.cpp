@@ -143,6 +143,8 @@ void EnergyAccount::start(const Frame& frame) {
   Impl& s = *impl_;
   s.started = true;
   s.last = s.instant(frame);
+  const std::optional<NodeVectors> after = load_after_break(frame, frame.step_size, s.last);
+  if (after) s.last.load = *after;
   s.account = {};
   s.account.largest_kinetic = kinetic(frame.system, s.last.v);
   s.account.first = s.account.largest_kinetic + internal(frame);
