@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 
+#include <deform/geometry/rounding.h>
 #include <deform/model/constraint.h>
 
 #include "../sides.h"
@@ -19,8 +21,17 @@ struct Parameters {
   }
 };
 
-/// Components of a unit normal below this are rounding: a flat side's tie names one component.
+/// Components of a unit normal below this, or below what rounding of positions makes of
+/// derivatives, are rounding: a flat side's tie names one component.
 constexpr double kAlongAnAxis = 1e-12;
+
+/// What rounding of positions may turn a derivative Σ c_k r_k by [rad].
+double rounding_of_direction(const std::vector<EdgeNode::Entry>& row, const Vec3& derivative,
+                             const NodeVectors& r) {
+  double sum = 0;
+  for (const EdgeNode::Entry& e : row) sum += std::abs(e.coefficient);
+  return sum * rounding_of_positions(r) / derivative.norm();
+}
 
 /// The row's largest coefficient besides that of the edge node itself: the nearest node inside.
 const EdgeNode::Entry& nearest_inside(const EdgeNode& edge) {
@@ -86,9 +97,11 @@ class Clamp final : public Constraint {
     if (!(area.norm() > kAlongAnAxis * across.norm() * along.norm()))
       throw InputError("the initial surface has no normal at node " + std::to_string(edge.node) +
                        ", which is to be clamped");
+    const double rounding = rounding_of_direction(edge.inwards, across, initial_) +
+                            rounding_of_direction(edge.along, along, initial_);
     Vec3 n = area.normalized();
     for (int c = 0; c < 3; ++c)
-      if (std::abs(n[c]) <= kAlongAnAxis) n[c] = 0;
+      if (std::abs(n[c]) <= std::max(kAlongAnAxis, rounding)) n[c] = 0;
     return n;
   }
 
