@@ -40,12 +40,11 @@ def limit_memory():
         resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
 
 
-def run(folder):
+def deform(folder, *arguments):
     """The exit code and what was said on stderr; the code of a signal is negative."""
     process = subprocess.Popen(
-        [PROGRAM, "run", "scene.json", "--out", "out", "--threads", "1", "--quiet"], cwd=folder,
-        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-        preexec_fn=limit_memory)
+        [PROGRAM, *arguments], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE, preexec_fn=limit_memory)
     try:
         _, said = process.communicate(timeout=PATIENCE)
     except subprocess.TimeoutExpired:
@@ -70,7 +69,8 @@ def objection(folder, code, said):
         return None if written == ["out", "scene.json"] else f"wrote {written}"
     if written != ["scene.json"]:
         return f"is refused, but wrote {written}"
-    problems = [line for line in said.splitlines() if line.startswith("deform: ")]
+    problems = [line for line in said.splitlines()
+                if line.startswith("deform: ") and not line.startswith("deform: warning: ")]
     if not problems:
         return "is refused without a word"
     for line in problems:
@@ -99,8 +99,13 @@ class Mutations(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="deform_mutant_") as place:
             folder = Path(place)
             (folder / "scene.json").write_text(text, encoding="utf-8", errors="surrogatepass")
-            code, said = run(folder)
+            validated, _ = deform(folder, "validate", "scene.json")
+            code, said = deform(folder, "run", "scene.json", "--out", "out", "--threads", "1", "--quiet")
             wrong = objection(folder, code, said)
+            if not wrong and validated not in (DONE, REFUSED, 4):
+                wrong = f"`validate` ends with {validated}"
+            if not wrong and code == REFUSED and validated != REFUSED:
+                wrong = f"is refused by `run`, but `validate` ends with {validated}"
         if wrong:
             wrong = (f"{wrong}\nDEFORM_MUTATIONS=1 DEFORM_MUTATION_SEED={SEED + number} shows it again\n"
                      f"{'; '.join(done)}\n{text[:3000]}\n{said[:2000]}")
