@@ -7,11 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "deform/log.h"
 #include "deform/simulation/run.h"
 
 #include "interrupt.h"
-#include "remarks.h"
 #include "report_command.h"
 
 namespace deform::app {
@@ -65,9 +63,6 @@ void print_summary(const RunResult& result, const std::filesystem::path& folder)
 int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegistry>& registry,
               ProgressBar& bar) {
   const Scene scene = read_scene(command.scene, *registry, command.replacements, command.variant);
-  if (!command.part_of_comparison) {
-    for (const Problem& remark : remarks(scene)) log::warn(remark.message);
-  }
   RunOptions options;
   options.folder = command.folder.empty() ? default_folder(command) : command.folder;
   options.force = command.force;

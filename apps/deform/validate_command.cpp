@@ -11,7 +11,6 @@
 #include "deform/simulation/run.h"
 #include "deform/simulation/scene.h"
 
-#include "remarks.h"
 #include "report_error.h"
 
 namespace deform::app {
@@ -32,10 +31,7 @@ void check_all(const std::vector<Scene>& scenes,
   std::set<std::string> known;
   for (const Scene& scene : scenes) {
     try {
-      std::vector<Problem> found = remarks(scene);
-      const std::vector<Problem> of_parts = check(scene, registry);
-      found.insert(found.end(), of_parts.begin(), of_parts.end());
-      for (const Problem& remark : found) {
+      for (const Problem& remark : check(scene, registry)) {
         if (known.insert(told(scene, remark)).second) warnings.push_back(remark);
       }
     } catch (const InputError& error) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -21,6 +22,7 @@
 #include "simulation/files.h"
 #include "simulation/json_file.h"
 #include "simulation/run_directory.h"
+#include "simulation/run_parts.h"
 
 namespace deform {
 namespace {
@@ -34,6 +36,34 @@ void check_resumable(const fs::path& folder) {
   if (!manifest.is_object() || manifest.value("kind", Json()) != "comparison")
     throw InputError(
         fmt::format("cannot resume in '{}': it is not a comparison directory", folder.string()));
+}
+
+/// Folders of runs that a resumed comparison no longer has stay where they are; a report made by
+/// hand would not show them.
+void warn_of_others(const fs::path& folder, const ComparisonPlan& plan, const Json& earlier) {
+  if (!earlier.is_object()) return;
+  std::string names;
+  for (const Json& name : earlier.value("runs", Json::array())) {
+    if (!name.is_string()) continue;
+    const auto run = name.get<std::string>();
+    const bool is_planned = std::ranges::find(plan.runs, run, &PlannedRun::name) != plan.runs.end();
+    if (!is_planned && fs::exists(folder / run)) names += (names.empty() ? "" : ", ") + run;
+  }
+  if (!names.empty())
+    log::warn(fmt::format("{}: of an earlier comparison and no part of this one: {}",
+                          folder.string(), names));
+}
+
+/// What the runs' scenes say that may not be meant, each once; dropped parameters stand below the
+/// table.
+void warn_of_remarks(const ComparisonPlan& plan) {
+  std::set<std::string> said;
+  for (const PlannedRun& run : plan.runs) {
+    Scene scene = run.scene;
+    scene.dropped.clear();
+    for (const Problem& remark : remarks_on(scene))
+      if (said.insert(remark.message).second) log::warn(remark.message);
+  }
 }
 
 /// Number of the run that the others are measured against: the planned reference if it ended as
@@ -135,14 +165,12 @@ Comparison compare(const ComparisonOptions& options,
   std::vector<std::string> claims;
   if (!options.expectation.empty()) claims = read_claims(options.expectation, plan);
 
+  const Json earlier = read_json_object(folder / "manifest.json");
   if (!options.runner.resume || !fs::exists(folder)) make_run_directory(folder);
   // First: from here on the folder is known as a comparison's.
   write_atomically(folder / "manifest.json", manifest_json(options, plan, "running"));
-  for (const PlannedRun& run : plan.runs)
-    for (const std::string& pointer : run.scene.dropped)
-      log::info(fmt::format("{}: {} is dropped: the plugin put in has no such parameter", run.name,
-                            pointer));
-
+  if (options.runner.resume) warn_of_others(folder, plan, earlier);
+  warn_of_remarks(plan);
   std::vector<RunOutcome> outcomes = execute_runs(plan.runs, *registry, options.runner);
   const std::size_t reference = number_of_reference(plan, outcomes);
   const std::vector<MeasuredRun> measured = measure(plan, reference, folder);
