@@ -16,7 +16,6 @@
 #include "deform/error.h"
 #include "deform/log.h"
 #include "deform/parallel.h"
-#include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 
 #include "compare/comparison_files.h"
