@@ -50,6 +50,13 @@ inline std::vector<Side> select_sides(const NodeSelection& where, const Setup& s
   return sides;
 }
 
+/// The length of the side that a node stands for [m]: of the rest surface, or in the parameters
+/// where the scene's masses and loads go by these.
+inline double length_of(const EdgeNode& edge, const Setup& setup) {
+  const bool is_of_rest = setup.material().mass == AreaOf::rest && edge.rest_length > 0;
+  return is_of_rest ? edge.rest_length : edge.length;
+}
+
 /// A derivative at an edge node: Σ c_k r_k.
 template <class Positions>
 Vec3 derivative(const std::vector<EdgeNode::Entry>& row, const Positions& r) {

@@ -12,7 +12,7 @@ from typing import Callable
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from reference_values import annulus, beams, koiter, plates, shells  # noqa: E402
+from reference_values import annulus, beams, koiter, plates, shells, strips  # noqa: E402
 
 HELP = """Computes reference values from the theories of beams, plates and shells: differential
 equations, series and polynomials solved here with numpy, nothing taken from tables. Beside each
@@ -79,6 +79,17 @@ def _small_beams():
                     _value(beams.frequency_by_polynomials, 8))
 
 
+def _wide_strips():
+    quantity = "critical ρ g h L³/D, width/length = {}, Poisson's ratio {}"
+    theory = "plane stress and Kirchhoff plate, Ritz"
+    for width, nu, along, across in ((0.02, 0, 48, 6), *((w, 0.35, 24, 12)
+                                                         for w in (0.1, 0.3, 0.5, 0.7, 0.9))):
+        def value(*size, w=width, n=nu):
+            return _value(strips.lateral_buckling_of_plate, w, n, *size)
+        yield Reference(f"strip/buckling/plate/{width}", quantity.format(width, nu), theory,
+                        value(along, across), value(3 * along // 4, 3 * across // 4))
+
+
 def _plates():
     theory = "Kirchhoff plate, linear"
     yield Reference("plate/supported/uniform", "w D/(q a⁴) of the centre", theory,
@@ -127,7 +138,7 @@ def _annulus():
 
 def references():
     """All references, in the order of the table."""
-    return [r for group in (_elastica, _small_beams, _plates, _koiter, _shells, _annulus)
+    return [r for group in (_elastica, _small_beams, _wide_strips, _plates, _koiter, _shells, _annulus)
             for r in group()]
 
 

@@ -6,6 +6,7 @@
 
 #include "plugin_command.h"
 #include "table.h"
+#include "terminal.h"
 
 namespace deform::app {
 namespace {
@@ -26,7 +27,7 @@ const char* text_of(CheckOutcome outcome) {
 
 int check_plugin(const ContractOptions& options) {
   const ContractReport report = check_contract(options);
-  fmt::print("{}\n\n", report.plugin);
+  say("{}\n\n", report.plugin);
   std::vector<std::vector<std::string>> rows{
       {"check", "figure", "limit", "result", "where worst, or why"}};
   std::array<int, 3> counts{};
@@ -35,7 +36,7 @@ int check_plugin(const ContractOptions& options) {
     ++counts.at(static_cast<std::size_t>(line.outcome));
   }
   print_table(rows);
-  fmt::print("\n{} passed, {} failed, {} reported\n", counts[0], counts[1], counts[2]);
+  say("\n{} passed, {} failed, {} reported\n", counts[0], counts[1], counts[2]);
   return static_cast<int>(report.passed() ? ExitCode::done : ExitCode::expectation_failed);
 }
 

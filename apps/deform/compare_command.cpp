@@ -1,6 +1,7 @@
 #include "compare_command.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <map>
 #include <string>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "interrupt.h"
 #include "report_command.h"
 #include "table.h"
+#include "terminal.h"
 
 namespace deform::app {
 namespace {
@@ -51,9 +53,9 @@ void print_dropped(const Comparison& comparison) {
 }
 
 void print_comparison(const Comparison& comparison, const std::filesystem::path& folder) {
-  fmt::print("{}\n", folder.string());
+  say("{}\n", folder.string());
   print_table(comparison_table(comparison, kTableWidth));
-  fmt::print("\n");
+  say("\n");
   for (const std::string& sentence : comparison.sentences)
     print_wrapped("  ", sentence, kTableWidth);
   print_dropped(comparison);
@@ -67,11 +69,23 @@ bool print_claims(const std::vector<Claim>& claims, bool quiet) {
     const std::string line = fmt::format("{}: {} ({})", claim.holds ? "holds" : "does not hold",
                                          claim.text, claim.explanation);
     if (!claim.holds)
-      fmt::print(stderr, "deform: {}\n", line);
+      complain("{}", line);
     else if (!quiet)
       print_wrapped("  ", line, kTableWidth);
   }
   return all;
+}
+
+/// Whether there are runs that came to no result for want of room on the disk, say: what is
+/// measured then is not what was asked for.
+bool print_failures(const Comparison& comparison) {
+  bool any = false;
+  for (const RunComparison& run : comparison.runs) {
+    if (!run.outcome.is_failure) continue;
+    any = true;
+    complain("{}: {}", run.name, run.outcome.reason);
+  }
+  return any;
 }
 
 }  // namespace
@@ -98,12 +112,14 @@ int compare_scene(CompareCommand command, const std::vector<std::filesystem::pat
     throw;
   }
   bar.end();
-  const std::string report = add_report(runner.folder);
+  const AddedReport report = add_report(runner.folder);
   if (!command.quiet) {
     print_comparison(comparison, runner.folder);
-    fmt::print("  report: {}\n", report);
+    say("  report: {}\n", report.told);
   }
   const bool all_hold = print_claims(comparison.claims, command.quiet);
+  if (print_failures(comparison)) return static_cast<int>(ExitCode::internal_error);
+  if (report.code != ExitCode::done) return static_cast<int>(report.code);
   return static_cast<int>(all_hold ? ExitCode::done : ExitCode::expectation_failed);
 }
 

@@ -1,10 +1,12 @@
 /// The command line program: what it is told, and what it ends with.
 #include <cstdlib>
+#include <dlfcn.h>
 #include <exception>
 #include <filesystem>
 #include <memory>
-#include <optional>
+#include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -12,9 +14,11 @@
 #include <tbb/global_control.h>
 
 #include "deform/error.h"
+#include "deform/plugin/process_end.h"
 #include "deform/plugin/registry.h"
 #include "deform/version.h"
 
+#include "commit.h"
 #include "compare_command.h"
 #include "plugin_command.h"
 #include "plugins_command.h"
@@ -23,6 +27,7 @@
 #include "report_error.h"
 #include "run_command.h"
 #include "schema_command.h"
+#include "terminal.h"
 #include "validate_command.h"
 
 namespace deform::app {
@@ -66,6 +71,16 @@ Variation parse_variation(const std::string& text) {
   return {text.substr(0, sign), split_values(text.substr(sign + 1))};
 }
 
+/// A file or folder, which "" is not: it would mean the default, or the folder that one is in.
+const CLI::Validator& named() {
+  static const CLI::Validator validator(
+      [](const std::string& text) {
+        return text.empty() ? std::string("an empty text names no file or folder") : std::string();
+      },
+      "", "named");
+  return validator;
+}
+
 void add_set(CLI::App& command, Arguments& arguments, std::vector<Replacement>& replacements) {
   command
       .add_option("--set", arguments.sets,
@@ -100,12 +115,16 @@ void add_plugin_path(CLI::App& command, Arguments& arguments) {
 
 CLI::App& add_run(CLI::App& app, Arguments& arguments) {
   CLI::App& run = *app.add_subcommand("run", "Run a scene and record it");
-  run.add_option("SCENE", arguments.run.scene, "scene file")->required()->type_name("");
+  run.add_option("SCENE", arguments.run.scene, "scene file")
+      ->required()
+      ->type_name("")
+      ->check(named());
   add_set(run, arguments, arguments.run.replacements);
   add_shadow(run, arguments, arguments.run.replacements);
   run.add_option("--variant", arguments.run.variant, "variant of the scene")->type_name("NAME");
   run.add_option("--out", arguments.run.folder, "run directory (default: runs/SCENE[-VARIANT])")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(named());
   CLI::Option* force =
       run.add_flag("--force", arguments.run.force, "replace an existing run directory");
   run.add_flag("--resume", arguments.run.resume,
@@ -127,7 +146,10 @@ CLI::App& add_compare(CLI::App& app, Arguments& arguments) {
   CLI::App& compare =
       *app.add_subcommand("compare", "Run a scene's variants and measure them against each other");
   ComparisonOptions& options = arguments.compare.options;
-  compare.add_option("SCENE", options.request.scene, "scene file")->required()->type_name("");
+  compare.add_option("SCENE", options.request.scene, "scene file")
+      ->required()
+      ->type_name("")
+      ->check(named());
   compare
       .add_option("--variants", arguments.compare.variants,
                   "variants to run (default: base and all; with --vary base alone)")
@@ -156,9 +178,11 @@ CLI::App& add_compare(CLI::App& app, Arguments& arguments) {
   compare
       .add_option("--expect", options.expectation,
                   R"(claims to check, {"claims": ["a.flatness < b.flatness"]})")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(named());
   compare.add_option("--out", options.runner.folder, "folder (default: runs/SCENE-comparison)")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(named());
   CLI::Option* force =
       compare.add_flag("--force", options.force, "replace an existing comparison directory");
   compare
@@ -198,12 +222,14 @@ CLI::App& add_plugin(CLI::App& app, Arguments& arguments) {
       ->required()
       ->type_name("");
   make.add_option("--out", arguments.new_plugin.folder, "folder of the project (default: NAME)")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(named());
 
   CLI::App& check = *plugin.add_subcommand("check", "Test what a plugin promises");
   check.add_option("LIBRARY", arguments.contract.library, "KIND-NAME.so")
       ->required()
-      ->type_name("");
+      ->type_name("")
+      ->check(named());
   check
       .add_option("--parameters", arguments.contract.parameters,
                   "JSON object of the parameters to check it with; those that are required must be "
@@ -220,7 +246,10 @@ CLI::App& add_plugin(CLI::App& app, Arguments& arguments) {
 CLI::App& add_validate(CLI::App& app, Arguments& arguments) {
   CLI::App& validate = *app.add_subcommand(
       "validate", "Check scenes, all of their variants and everything that they name; run nothing");
-  validate.add_option("SCENE", arguments.scenes, "scene files")->required()->type_name("");
+  validate.add_option("SCENE", arguments.scenes, "scene files")
+      ->required()
+      ->type_name("")
+      ->check(named());
   add_plugin_path(validate, arguments);
   return validate;
 }
@@ -230,7 +259,8 @@ CLI::App& add_report(CLI::App& app, Arguments& arguments) {
       "report", "Make report.html of a run or comparison directory again, from what is in it");
   report.add_option("DIR", arguments.report_folder, "run or comparison directory")
       ->required()
-      ->type_name("");
+      ->type_name("")
+      ->check(named());
   report.add_flag("--png", arguments.report_png,
                   "and report.png, a contact sheet of variants and moments (needs Chromium)");
   return report;
@@ -242,9 +272,29 @@ CLI::App& add_schema(CLI::App& app, Arguments& arguments) {
   schema
       .add_option("--out", arguments.schema_folder,
                   "write it to a folder instead, and that of each plugin")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(named());
   add_plugin_path(schema, arguments);
   return schema;
+}
+
+/// One rule for all that makes threads: TBB, which the framework uses, and OpenMP, which what a
+/// plugin links may use. BLAS is on one thread: see main.
+std::unique_ptr<tbb::global_control> limit_threads(std::size_t threads) {
+  using SetThreads = void(int);
+  if (auto* const set_openmp = dlsym(RTLD_DEFAULT, "omp_set_num_threads"))
+    reinterpret_cast<SetThreads*>(set_openmp)(static_cast<int>(threads));
+  return std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                               threads);
+}
+
+/// Names of files start from it; one may have been removed under the shell.
+void require_working_folder() {
+  std::error_code error;
+  (void)std::filesystem::current_path(error);
+  if (error)
+    throw InputError("the working directory is gone, or cannot be reached (" + error.message() +
+                     "): change to one that is there");
 }
 
 int execute(int argc, char** argv) {
@@ -256,6 +306,7 @@ int execute(int argc, char** argv) {
   arguments.run.command_line.assign(argv, argv + argc);
   const CLI::App& run = add_run(app, arguments);
   arguments.compare.options.command_line = arguments.run.command_line;
+  arguments.compare.options.commit = commit();
   const CLI::App& compare = add_compare(app, arguments);
   add_plugins(app, arguments);
   const CLI::App& plugin = add_plugin(app, arguments);
@@ -267,13 +318,16 @@ int execute(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     // Help and version are "errors" with code 0; all others are bad input, whatever CLI11's own
     // code.
-    return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+    std::ostringstream help, trouble;
+    const bool is_asked_for = app.exit(e, help, trouble) == 0;
+    put_lines(help.str());
+    std::istringstream lines(trouble.str());
+    for (std::string line; std::getline(lines, line);) put_message(printable(line) + '\n');
+    return is_asked_for ? 0 : static_cast<int>(ExitCode::bad_input);
   }
 
-  std::optional<tbb::global_control> threads;
-  if (arguments.threads > 0) {
-    threads.emplace(tbb::global_control::max_allowed_parallelism, arguments.threads);
-  }
+  require_working_folder();
+  const auto limit = arguments.threads > 0 ? limit_threads(arguments.threads) : nullptr;
   static ProgressBar bar;  // the logger, which outlives this function, writes past it
   log_above(bar);
   if (plugin.got_subcommand("new")) return new_plugin(arguments.new_plugin);
@@ -293,12 +347,18 @@ int execute(int argc, char** argv) {
 }  // namespace deform::app
 
 int main(int argc, char** argv) {
+  deform::app::occupy_standard_streams();
+  deform::watch_process_end();
   // Before any plugin brings OpenBLAS with it: its threads get in the way of ours, and let results
   // depend on their number.
   ::setenv("OPENBLAS_NUM_THREADS", "1", 0);
+  int code = 0;
   try {
-    return deform::app::finish_output(deform::app::execute(argc, argv));
+    code = deform::app::execute(argc, argv);
   } catch (...) {
-    return deform::app::report_current_error();
+    code = deform::app::report_current_error();
   }
+  code = deform::app::finish_output(code);
+  deform::expect_process_end();
+  return code;
 }

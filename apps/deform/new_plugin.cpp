@@ -11,6 +11,7 @@
 
 #include "plugin_command.h"
 #include "templates.h"
+#include "terminal.h"
 
 namespace deform::app {
 namespace {
@@ -125,7 +126,8 @@ void check(const NewPlugin& what, const fs::path& folder) {
 void write(const fs::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
   stream << text;
-  if (!stream.flush()) {
+  stream.close();
+  if (!stream) {
     throw Error(ExitCode::internal_error, "cannot write " + file.string());
   }
 }
@@ -147,8 +149,7 @@ int new_plugin(const NewPlugin& what) {
   write(folder / "scene.json", scene_text(what.kind, what.name));
 
   const std::string where = folder.string();
-  fmt::print(
-      "{0}: a plugin {1}/{2} that works; change {2}.cpp to make it yours\n\n"
+  say("{0}: a plugin {1}/{2} that works; change {2}.cpp to make it yours\n\n"
       "  cmake -S {0} -B {0}/build && cmake --build {0}/build\n"
       "  deform plugin check {0}/build/{1}-{2}.so\n"
       "  deform run {0}/scene.json --plugin-path {0}/build --out {0}/run\n",

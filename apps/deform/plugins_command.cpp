@@ -9,6 +9,7 @@
 #include "deform/error.h"
 
 #include "table.h"
+#include "terminal.h"
 
 namespace {
 using namespace deform;
@@ -27,18 +28,18 @@ void print_kind(const PluginRegistry& registry, PluginKind kind) {
   if (names.empty()) return;
   std::size_t width = 0;
   for (const PluginFile& file : registry.files()) width = std::max(width, file.name.size());
-  fmt::print("{}\n", name_of(kind));
+  app::say("{}\n", name_of(kind));
   for (const std::string& name : names) {
     app::print_wrapped(fmt::format("  {:<{}}  ", name, width), summary_of(registry, kind, name));
   }
 }
 
 void print_folders(const PluginRegistry& registry) {
-  fmt::print("\nfolders searched\n");
+  app::say("\nfolders searched\n");
   for (const SearchFolder& folder : registry.folders()) {
     const bool exists = std::filesystem::is_directory(folder.path);
-    fmt::print("  {} ({}{})\n", folder.path.string(), folder.said_by,
-               exists ? "" : ", does not exist");
+    app::say("  {} ({}{})\n", folder.path.string(), folder.said_by,
+             exists ? "" : ", does not exist");
   }
 }
 
@@ -77,7 +78,7 @@ void print_line(const char* label, const std::string& text) {
 void print_one(const LoadedPlugin& plugin) {
   const PluginText& text = plugin.descriptor().text;
   const PluginFile& file = plugin.file();
-  fmt::print("{}/{} {}\n", name_of(file.kind), file.name, text.version);
+  app::say("{}/{} {}\n", name_of(file.kind), file.name, text.version);
   print_line("summary", text.summary);
   print_line("formula", text.formula);
   print_line("source", text.source);
@@ -85,9 +86,9 @@ void print_one(const LoadedPlugin& plugin) {
   print_line("scene", least_use(plugin));
   const Rows rows = parameter_rows(plugin);
   if (rows.size() == 1) {
-    fmt::print("\n  no parameters\n");
+    app::say("\n  no parameters\n");
   } else {
-    fmt::print("\n");
+    app::say("\n");
     app::print_table(rows);
   }
 }

@@ -9,6 +9,8 @@
 #include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 
+#include "terminal.h"
+
 namespace deform::app {
 namespace {
 
@@ -30,11 +32,6 @@ class AboveBar final : public spdlog::sinks::base_sink<std::mutex> {
  private:
   ProgressBar& bar_;
 };
-
-void put(const std::string& text) {
-  std::fwrite(text.data(), 1, text.size(), stderr);
-  std::fflush(stderr);
-}
 
 }  // namespace
 
@@ -78,7 +75,7 @@ void ProgressLines::operator()(long done, long /*total*/) {
   const auto now = std::chrono::steady_clock::now();
   if (now < next_) return;
   next_ = now + std::chrono::milliseconds(100);
-  fmt::print("progress {}\n", done);
+  say("progress {}\n", done);
   std::fflush(stdout);
 }
 
@@ -86,18 +83,18 @@ void ProgressBar::write_above(const std::string& line) {
   const std::lock_guard lock(mutex_);
   const std::string bar = drawn_;
   erase();
-  put(line);
+  put_message(line);
   drawn_ = bar;
   draw();
 }
 
 void ProgressBar::erase() {
-  if (!drawn_.empty()) put("\r\x1b[K");
+  if (!drawn_.empty()) put_message("\r\x1b[K");
   drawn_.clear();
 }
 
 void ProgressBar::draw() {
-  if (!drawn_.empty()) put(drawn_);
+  if (!drawn_.empty()) put_message(drawn_);
 }
 
 void log_above(ProgressBar& bar) {

@@ -1,29 +1,35 @@
 #include "report_command.h"
 
+#include <cstdio>
 #include <exception>
 
 #include <fmt/format.h>
 
 #include "deform/error.h"
-#include "deform/log.h"
 #include "deform/report/report.h"
+
+#include "terminal.h"
 
 namespace deform::app {
 
 int write_reports(const std::filesystem::path& folder, bool png) {
-  fmt::print("{}\n", write_report(folder).string());
-  if (png) fmt::print("{}\n", write_contact_sheet(folder).string());
+  say("{}\n", write_report(folder).string());
+  if (png) say("{}\n", write_contact_sheet(folder).string());
   return static_cast<int>(ExitCode::done);
 }
 
-std::string add_report(const std::filesystem::path& folder) {
-  if (find_report_page().empty()) return "none: its page was not built (deform report says more)";
+AddedReport add_report(const std::filesystem::path& folder) {
+  if (find_report_page().empty())
+    return {"none: its page was not built (deform report says more)", ExitCode::done};
   try {
-    return write_report(folder).string();
+    return {write_report(folder).string(), ExitCode::done};
+  } catch (const Error& e) {
+    complain("no report.html: {}", e.what());
+    return {"none", e.code()};
   } catch (const std::exception& e) {
-    log::warn(fmt::format("no report.html: {}", e.what()));
-    return "none";
+    complain("no report.html: {}", e.what());
   }
+  return {"none", ExitCode::internal_error};
 }
 
 }  // namespace deform::app

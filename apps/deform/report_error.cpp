@@ -9,6 +9,8 @@
 
 #include "deform/error.h"
 
+#include "terminal.h"
+
 namespace deform::app {
 
 int report_current_error() {
@@ -16,17 +18,17 @@ int report_current_error() {
     throw;
   } catch (const InputError& e) {
     for (const Problem& problem : e.problems()) {
-      fmt::print(stderr, "deform: {}\n", problem.message);
+      complain("{}", problem.message);
     }
     return static_cast<int>(e.code());
   } catch (const Error& e) {
-    fmt::print(stderr, "deform: {}\n", e.what());
+    complain("{}", e.what());
     return static_cast<int>(e.code());
   } catch (const std::system_error& e) {  // nothing is wrong with the program: a full disk, say
-    fmt::print(stderr, "deform: {}\n", e.what());
+    complain("{}", e.what());
     return static_cast<int>(ExitCode::internal_error);
   } catch (const std::exception& e) {
-    fmt::print(stderr, "deform: internal error: {}\n", e.what());
+    complain("internal error: {}", e.what());
     return static_cast<int>(ExitCode::internal_error);
   }
 }
@@ -36,8 +38,8 @@ int finish_output(int code) {
   const bool flushed = std::fflush(stdout) == 0;
   if (flushed && std::ferror(stdout) == 0) return code;
   // An earlier write may have failed, of which the reason is no longer known.
-  fmt::print(stderr, "deform: cannot write to standard output{}\n",
-             flushed ? "" : ": " + std::generic_category().message(errno));
+  complain("cannot write to standard output{}",
+           flushed ? "" : ": " + std::generic_category().message(errno));
   return code == static_cast<int>(ExitCode::done) ? static_cast<int>(ExitCode::internal_error)
                                                   : code;
 }

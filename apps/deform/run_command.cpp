@@ -4,13 +4,16 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <unistd.h>
 
 #include <fmt/format.h>
 
 #include "deform/simulation/run.h"
 
+#include "commit.h"
 #include "interrupt.h"
 #include "report_command.h"
+#include "terminal.h"
 
 namespace deform::app {
 namespace {
@@ -30,8 +33,7 @@ void print_times(const RunResult& result) {
   const auto per_step = [steps](double seconds) {
     return 1e3 * seconds / static_cast<double>(steps);
   };
-  fmt::print(
-      "  ms/step       {:.3f}: geometry {:.3f}, assembly {:.3f}, factorisation {:.3f}, "
+  say("  ms/step       {:.3f}: geometry {:.3f}, assembly {:.3f}, factorisation {:.3f}, "
       "solve {:.3f}, output {:.3f}, other {:.3f}\n",
       per_step(result.stepping_seconds), per_step(t.geometry), per_step(t.assembly),
       per_step(t.factorisation), per_step(t.solve), per_step(t.output),
@@ -42,18 +44,16 @@ void print_figures(const RunResult& result) {
   std::size_t width = 0;
   for (const auto& [name, figure] : result.figures) width = std::max(width, name.size());
   for (const auto& [name, figure] : result.figures) {
-    fmt::print("  {:<{}}  {}\n", name, width,
-               std::isnan(figure) ? "-" : fmt::format("{: .6g}", figure));
+    say("  {:<{}}  {}\n", name, width, std::isnan(figure) ? "-" : fmt::format("{: .6g}", figure));
   }
 }
 
 void print_summary(const RunResult& result, const std::filesystem::path& folder) {
-  fmt::print("{}\n", folder.string());
-  if (result.code != ExitCode::done) fmt::print("  ended         {}\n", status_of(result.code));
-  fmt::print(
-      "  steps         {}{}\n", result.steps,
+  say("{}\n", folder.string());
+  if (result.code != ExitCode::done) say("  ended         {}\n", status_of(result.code));
+  say("  steps         {}{}\n", result.steps,
       result.resumed_after > 0 ? fmt::format(" ({} of them before)", result.resumed_after) : "");
-  fmt::print("  wall time     {:.2f} s\n", result.wall_seconds);
+  say("  wall time     {:.2f} s\n", result.wall_seconds);
   print_times(result);
   print_figures(result);
 }
@@ -70,8 +70,15 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
   options.profile = command.profile;
   options.interrupted = &watch_interrupts();
   options.command_line = command.command_line;
+  options.commit = commit();
   options.progress = [&bar](long done, long total) { bar.update(done, total); };
   if (command.part_of_comparison) options.progress = ProgressLines();
+  options.abandon = [&bar](const RunResult& result) {
+    bar.end();
+    complain("{}", result.reason);
+    (void)std::fflush(stdout);
+    ::_exit(static_cast<int>(result.code));
+  };
 
   const bool quiet = command.quiet || command.part_of_comparison;
   if (!quiet) bar.begin();
@@ -83,17 +90,20 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
     throw;
   }
   bar.end();
-  if (!result.reason.empty()) fmt::print(stderr, "deform: {}\n", result.reason);
+  if (!result.reason.empty()) complain("{}", result.reason);
   if (!quiet) {
     print_summary(result, options.folder);
-    fmt::print("{}", result.profile);
+    put_lines(result.profile);
   }
   // A comparison has a report of its own, which shows them all.
-  if (scene.frames_written && !command.part_of_comparison) {
-    const std::string report = add_report(options.folder);
-    if (!quiet) fmt::print("  report        {}\n", report);
-  }
-  return static_cast<int>(result.code);
+  if (!scene.frames_written || command.part_of_comparison || result.kept_old_run)
+    return static_cast<int>(result.code);
+  // A long run's takes its time: who interrupts has none.
+  const AddedReport report = result.code == ExitCode::interrupted
+                                 ? AddedReport{"none: deform report makes it", ExitCode::done}
+                                 : add_report(options.folder);
+  if (!quiet) say("  report        {}\n", report.told);
+  return static_cast<int>(result.code == ExitCode::done ? report.code : result.code);
 }
 
 }  // namespace deform::app

@@ -9,6 +9,8 @@
 #include "deform/error.h"
 #include "deform/simulation/scene.h"
 
+#include "terminal.h"
+
 namespace deform::app {
 namespace {
 
@@ -34,7 +36,7 @@ void write(const fs::path& file, const std::string& text) {
 int write_schemas(const PluginRegistry& registry, const fs::path& folder) {
   const std::string schema = scene_schema(registry);
   if (folder.empty()) {
-    fmt::print("{}", schema);
+    put_lines(schema);
     return static_cast<int>(ExitCode::done);
   }
   const fs::path plugins = folder / "plugins";

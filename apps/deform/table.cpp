@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <sys/ioctl.h>
 
+#include "terminal.h"
+
 namespace deform::app {
 namespace {
 
@@ -34,7 +36,11 @@ std::size_t width_of(const std::string& text) {
       }));
 }
 
-void print_table(const std::vector<std::vector<std::string>>& rows) {
+void print_table(const std::vector<std::vector<std::string>>& raw) {
+  // Widths are those of what is shown. The last column is wrapped, word by word.
+  std::vector<std::vector<std::string>> rows = raw;
+  for (auto& row : rows)
+    for (std::size_t c = 0; c + 1 < row.size(); ++c) row[c] = printable(row[c]);
   std::vector<std::size_t> columns, widths;
   for (std::size_t c = 0; c < rows.front().size(); ++c) {
     if (!is_used(rows, c)) continue;
@@ -53,15 +59,17 @@ void print_table(const std::vector<std::vector<std::string>>& rows) {
 }
 
 void print_wrapped(const std::string& front, const std::string& text, std::size_t width) {
-  const std::size_t indent = width_of(front);
+  const std::string shown_front = printable(front);
+  const std::size_t indent = width_of(shown_front);
   const std::size_t room =
       std::max(std::min(terminal_width(), width), indent + kNarrowest) - indent;
-  std::string line = front;
+  std::string line = shown_front;
   std::size_t used = 0;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
+    word = printable(word);
     if (used > 0 && used + 1 + width_of(word) > room) {
-      fmt::print("{}\n", line);
+      put_result(line + '\n');
       line = std::string(indent, ' ');
       used = 0;
     }
@@ -69,7 +77,7 @@ void print_wrapped(const std::string& front, const std::string& text, std::size_
     used += (used > 0 ? 1 : 0) + width_of(word);
   }
   line.erase(line.find_last_not_of(' ') + 1);
-  fmt::print("{}\n", line);
+  put_result(line + '\n');
 }
 
 }  // namespace deform::app

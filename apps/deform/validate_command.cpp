@@ -8,10 +8,12 @@
 
 #include "deform/error.h"
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 #include "deform/simulation/scene.h"
 
 #include "report_error.h"
+#include "terminal.h"
 
 namespace deform::app {
 namespace {
@@ -31,7 +33,10 @@ void check_all(const std::vector<Scene>& scenes,
   std::set<std::string> known;
   for (const Scene& scene : scenes) {
     try {
-      for (const Problem& remark : check(scene, registry)) {
+      std::vector<Problem> found = remarks(scene);
+      const std::vector<Problem> of_parts = check(scene, registry);
+      found.insert(found.end(), of_parts.begin(), of_parts.end());
+      for (const Problem& remark : found) {
         if (known.insert(told(scene, remark)).second) warnings.push_back(remark);
       }
     } catch (const InputError& error) {
@@ -54,7 +59,7 @@ int validate_scenes(const std::vector<std::filesystem::path>& files,
       const std::vector<Scene> scenes = read_variants(file, *registry);
       check_all(scenes, registry);
       const std::size_t variants = scenes.size() - 1;
-      fmt::print("{}: ok ({} variant{})\n", file.string(), variants, variants == 1 ? "" : "s");
+      say("{}: ok ({} variant{})\n", file.string(), variants, variants == 1 ? "" : "s");
     } catch (...) {
       code = std::max(code, report_current_error());
     }

@@ -6,6 +6,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "deform/printable.h"
+
 namespace deform::log {
 namespace {
 
@@ -26,9 +28,10 @@ spdlog::logger& logger() {
   return *spdlog::default_logger_raw();
 }
 
-// As a string view the message is written as it is: braces in it are no format.
+// One line a message, whatever is in it. As a string view it is written as it is: braces in it are
+// no format.
 void write(spdlog::level::level_enum level, const std::string& message) {
-  logger().log(level, spdlog::string_view_t(message));
+  if (logger().should_log(level)) logger().log(level, spdlog::string_view_t(printable(message)));
 }
 
 }  // namespace

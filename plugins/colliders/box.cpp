@@ -30,6 +30,7 @@ class Box final : public Collider {
       return d;
     });
   }
+  [[nodiscard]] bool is_convex() const override { return true; }
 
  private:
   Parameters p_;

@@ -43,6 +43,7 @@ class Cylinder final : public Collider {
       return result;
     });
   }
+  [[nodiscard]] bool is_convex() const override { return true; }
 
  private:
   Parameters p_;

@@ -24,6 +24,7 @@ class Plane final : public Collider {
       return SignedDistance{(p - point_).dot(n_), n_};
     });
   }
+  [[nodiscard]] bool is_convex() const override { return true; }
 
  private:
   Vec3 point_, n_;

@@ -25,6 +25,7 @@ class Sphere final : public Collider {
       return SignedDistance{length - p_.radius, length > 0 ? Vec3(d / length) : Vec3::UnitZ()};
     });
   }
+  [[nodiscard]] bool is_convex() const override { return true; }
 
  private:
   Parameters p_;

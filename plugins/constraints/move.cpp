@@ -52,7 +52,9 @@ class Move final : public Constraint {
     for (const Index node : nodes_)
       for (const int c : components_) reduction.prescribe(node, c);
   }
-  [[nodiscard]] double longest_step(double time) const override { return until_next(times_, time); }
+  [[nodiscard]] double next_break(double after) const override {
+    return first_after(times_, after);
+  }
   void prescribe(double time, NodeVectors& r) const override {
     const Vec3 u = displacement(time);
     for (const Index node : nodes_)

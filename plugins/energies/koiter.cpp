@@ -18,13 +18,19 @@ struct Parameters {
   static void declare(Declaration<Parameters>& d) {
     std::vector<std::string> names = sheet_material_names();
     names.insert(names.begin(), "none");
-    d("material", &Parameters::material, "", "sheet whose values hold where the scene gives none")
+    d("material", &Parameters::material, "",
+      "sheet whose values hold where the scene gives none, its mass included")
         .one_of(names);
-    d("young", &Parameters::young, "Pa", "Young's modulus; 0: the material's").at_least(0);
-    d("poisson", &Parameters::poisson, "1", "Poisson's ratio; -1: the material's")
+    d("young", &Parameters::young, "Pa", "Young's modulus; the material's when absent, or 0")
+        .at_least(0)
+        .optional();
+    d("poisson", &Parameters::poisson, "1", "Poisson's ratio; the material's when absent, or -1")
         .at_least(-1)
-        .at_most(0.5);
-    d("thickness", &Parameters::thickness, "m", "of the sheet; 0: the material's").at_least(0);
+        .at_most(0.5)
+        .optional();
+    d("thickness", &Parameters::thickness, "m", "of the sheet; the material's when absent, or 0")
+        .at_least(0)
+        .optional();
   }
 };
 
@@ -69,6 +75,9 @@ class Koiter final : public CompoundTerm {
     const Parameters p = completed(given);
     const Surface& surface = setup.surface();
     const double plane = 1 - p.poisson * p.poisson;
+    if (p.material != "none")
+      mass_ = p.thickness.at_nodes(surface).unaryExpr(
+          [&sheet = sheet_material(p.material)](double h) { return sheet.mass_per_area(h); });
     const auto at = [&](const Field& field, SampleRole role) {
       return field.at_samples(surface, surface.samples(role)).array().eval();
     };
@@ -80,9 +89,11 @@ class Koiter final : public CompoundTerm {
               {"bending", std::make_shared<IsotropicTerm>(Form::curvature, bending, p.poisson)}};
   }
   [[nodiscard]] const std::vector<Part>& parts() const override { return parts_; }
+  [[nodiscard]] NodeValues mass_per_area() const override { return mass_; }
 
  private:
   std::vector<Part> parts_;
+  NodeValues mass_;
 };
 
 }  // namespace

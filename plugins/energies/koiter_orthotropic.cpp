@@ -4,6 +4,7 @@
 
 #include <deform/model/materials.h>
 #include <deform/model/quadratic_term.h>
+#include <deform/surface/surface.h>
 
 namespace {
 using namespace deform;
@@ -15,21 +16,29 @@ struct Parameters {
     std::vector<std::string> names{"none"};
     for (const SheetMaterial& sheet : sheet_materials())
       if (sheet.directions) names.push_back(sheet.name);
-    d("material", &Parameters::material, "", "sheet whose values hold where the scene gives none")
+    d("material", &Parameters::material, "",
+      "sheet whose values hold where the scene gives none, its mass included")
         .one_of(names);
     d("young_1", &Parameters::young_1, "Pa",
-      "Young's modulus along a1 (warp, machine direction); 0: the material's")
-        .at_least(0);
+      "Young's modulus along a1 (warp, machine direction); the material's when absent, or 0")
+        .at_least(0)
+        .optional();
     d("young_2", &Parameters::young_2, "Pa",
-      "Young's modulus across it (weft, cross direction); 0: the material's")
-        .at_least(0);
-    d("shear", &Parameters::shear, "Pa", "shear modulus in the sheet; 0: the material's")
-        .at_least(0);
+      "Young's modulus across it (weft, cross direction); the material's when absent, or 0")
+        .at_least(0)
+        .optional();
+    d("shear", &Parameters::shear, "Pa",
+      "shear modulus in the sheet; the material's when absent, or 0")
+        .at_least(0)
+        .optional();
     d("poisson", &Parameters::poisson, "1",
-      "contraction across, of a pull along a1; -1: the material's")
+      "contraction across, of a pull along a1; the material's when absent, or -1")
         .at_least(-1)
-        .at_most(2);
-    d("thickness", &Parameters::thickness, "m", "of the sheet; 0: the material's").at_least(0);
+        .at_most(2)
+        .optional();
+    d("thickness", &Parameters::thickness, "m", "of the sheet; the material's when absent, or 0")
+        .at_least(0)
+        .optional();
   }
 };
 
@@ -98,16 +107,21 @@ class OrthotropicTerm final : public QuadraticTerm {
 /// same] in X = B − B⁰, per rest area.
 class KoiterOrthotropic final : public CompoundTerm {
  public:
-  KoiterOrthotropic(const Parameters& given, const Setup& /*setup*/) {
+  KoiterOrthotropic(const Parameters& given, const Setup& setup) {
     const Parameters p = completed(given);
     const double h = p.thickness;
+    if (p.material != "none")
+      mass_ = NodeValues::Constant(setup.surface().nodes(),
+                                   sheet_material(p.material).mass_per_area(h));
     parts_ = {{"stretching", std::make_shared<OrthotropicTerm>(Form::metric, h / 8, p)},
               {"bending", std::make_shared<OrthotropicTerm>(Form::curvature, h * h * h / 24, p)}};
   }
   [[nodiscard]] const std::vector<Part>& parts() const override { return parts_; }
+  [[nodiscard]] NodeValues mass_per_area() const override { return mass_; }
 
  private:
   std::vector<Part> parts_;
+  NodeValues mass_;
 };
 
 }  // namespace

@@ -15,9 +15,7 @@ class DeadLoad : public ForceField {
   DeadLoad(const Vec3& force, TimeProfile time, NodeValues shares)
       : force_(force), time_(std::move(time)), shares_(std::move(shares)) {}
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   [[nodiscard]] ForceTraits traits() const override { return {.potential = true}; }
 
   void add_force(const NodeBlock& nodes, Vectors force) const override {

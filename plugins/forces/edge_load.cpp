@@ -9,7 +9,7 @@ struct Parameters {
   NodeSelection where;
   TimeProfile time;
   static void declare(Declaration<Parameters>& d) {
-    d("force", &Parameters::force, "N/m", "force per length of the side, in parameters").required();
+    d("force", &Parameters::force, "N/m", "force per length of the side at rest").required();
     d("where", &Parameters::where, "", "open sides: {\"boundary\": names}").required();
     d("time", &Parameters::time, "1", "factor of the force over time");
   }
@@ -19,7 +19,7 @@ struct Parameters {
 NodeValues lengths(const NodeSelection& where, const Setup& setup) {
   NodeValues length = NodeValues::Zero(setup.surface().nodes());
   for (const Side& side : select_sides(where, setup))
-    for (const EdgeNode& edge : side.nodes) length[edge.node] += edge.length;
+    for (const EdgeNode& edge : side.nodes) length[edge.node] += length_of(edge, setup);
   return length;
 }
 

@@ -17,9 +17,7 @@ class Gravity final : public ForceField {
   Gravity(const Parameters& p, const Setup& /*setup*/)
       : acceleration_(p.acceleration), time_(p.time) {}
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   [[nodiscard]] ForceTraits traits() const override { return {.potential = true}; }
 
   void add_force(const NodeBlock& nodes, Vectors force) const override {

@@ -89,8 +89,9 @@ class Moment final : public ForceField {
     for (const Side& side : select_sides(p.where, setup))
       for (const EdgeNode& edge : side.nodes) {
         require_angle(edge);
-        couples_.push_back({p.moment * edge.length, edge, paths.from(edge)});
-        length += edge.length;
+        const double own = length_of(edge, setup);
+        couples_.push_back({p.moment * own, edge, paths.from(edge)});
+        length += own;
       }
     acting_.resize(static_cast<std::size_t>(setup.surface().nodes()));
     for (std::size_t i = 0; i < couples_.size(); ++i) {
@@ -101,9 +102,7 @@ class Moment final : public ForceField {
     number_pairs();
   }
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   [[nodiscard]] ForceTraits traits() const override {
     return {.potential = true, .neighbours = true, .exact_tangent = true};
   }

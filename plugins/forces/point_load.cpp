@@ -1,5 +1,4 @@
-#include <deform/surface/surface.h>
-
+#include "area_shares.h"
 #include "dead_load.h"
 
 namespace {
@@ -11,19 +10,12 @@ struct Parameters {
   TimeProfile time;
   static void declare(Declaration<Parameters>& d) {
     d("force", &Parameters::force, "N", "total force").required();
-    d("where", &Parameters::where, "", "nodes that share it in proportion to their areas")
+    d("where", &Parameters::where, "",
+      "a patch of the surface, or nodes that share it in proportion to their areas")
         .required();
     d("time", &Parameters::time, "1", "factor of the force over time");
   }
 };
-
-/// The part of the load that each node bears: area / Σ area where selected, else 0.
-NodeValues area_shares(const NodeSelection& where, const Setup& setup) {
-  const NodeValues& areas = setup.surface().areas();
-  NodeValues share = NodeValues::Zero(areas.size());
-  for (const Index node : setup.select(where)) share[node] = areas[node];
-  return share / share.sum();
-}
 
 /// A dead load: it keeps its direction, and its total however fine the surface.
 class PointLoad final : public DeadLoad {
@@ -35,5 +27,6 @@ class PointLoad final : public DeadLoad {
 }  // namespace
 
 DEFORM_PLUGIN(PointLoad, Parameters, .name = "point_load", .version = "1.0",
-              .summary = "a given total force on some nodes",
-              .formula = "f_a = F A_a / Σ A over the selected nodes", .source = "Wu & Melo (16)")
+              .summary = "a given total force on a patch or on some nodes",
+              .formula = "f_a = F A_a / Σ A, A_a: area of the node that is selected",
+              .source = "Wu & Melo (16)")

@@ -52,9 +52,7 @@ class Pressure final : public ForceField {
         pairs_(corners_.faces()),
         closed_(is_closed(corners_.faces())) {}
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   [[nodiscard]] ForceTraits traits() const override {
     return {.potential = closed_, .neighbours = true, .exact_tangent = true};
   }

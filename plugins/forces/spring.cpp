@@ -1,5 +1,6 @@
 #include <deform/model/force_field.h>
-#include <deform/surface/surface.h>
+
+#include "area_shares.h"
 
 namespace {
 using namespace deform;
@@ -16,28 +17,21 @@ struct Parameters {
     d("rest_length", &Parameters::rest_length, "m", "distance at which there is no force")
         .at_least(0);
     d("where", &Parameters::where, "",
-      "nodes that share the stiffness in proportion to their areas")
+      "a patch of the surface, or nodes that share the stiffness in proportion to their areas")
         .required();
     d("time", &Parameters::time, "1", "factor of the stiffness over time");
   }
 };
 
-/// Each node's part of the stiffness: area / Σ area where selected, else 0.
-NodeValues stiffness_shares(const Parameters& p, const Setup& setup) {
-  const NodeValues& areas = setup.surface().areas();
-  NodeValues k = NodeValues::Zero(areas.size());
-  for (const Index node : setup.select(p.where)) k[node] = areas[node];
-  return p.stiffness / k.sum() * k;
-}
-
 class Spring final : public ForceField {
  public:
   Spring(const Parameters& p, const Setup& setup)
-      : anchor_(p.anchor), length_(p.rest_length), time_(p.time), k_(stiffness_shares(p, setup)) {}
+      : anchor_(p.anchor),
+        length_(p.rest_length),
+        time_(p.time),
+        k_(p.stiffness * area_shares(p.where, setup)) {}
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   /// Only without a rest length is ∂f/∂r a multiple of the identity.
   [[nodiscard]] ForceTraits traits() const override {
     return {.potential = true, .isotropic_tangent = length_ == 0, .exact_tangent = length_ > 0};

@@ -9,7 +9,7 @@ struct Parameters {
   Vec3 velocity = Vec3::Zero();
   TimeProfile time;
   static void declare(Declaration<Parameters>& d) {
-    d("viscosity", &Parameters::viscosity, "N·s/m³", "force per area and normal velocity")
+    d("viscosity", &Parameters::viscosity, "N·s/m³", "force per area at rest and normal velocity")
         .at_least(0);
     d("velocity", &Parameters::velocity, "m/s", "velocity of the stream");
     d("time", &Parameters::time, "1", "factor of the stream's velocity over time");
@@ -26,9 +26,7 @@ class ViscousFluid final : public ForceField {
         velocity_(p.velocity),
         time_(p.time) {}
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   [[nodiscard]] ForceTraits traits() const override {
     return {.normals = true, .exact_damping = true};
   }

@@ -43,9 +43,7 @@ class Wind final : public ForceField {
         corners_(setup.surface()),
         pairs_(corners_.faces()) {}
 
-  [[nodiscard]] double longest_step(double time) const override {
-    return time_.until_next_point(time);
-  }
+  [[nodiscard]] double next_break(double after) const override { return time_.next_break(after); }
   [[nodiscard]] ForceTraits traits() const override {
     return {.neighbours = true, .damping_bound = true, .exact_damping = true};
   }

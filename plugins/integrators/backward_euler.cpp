@@ -8,7 +8,8 @@ struct Parameters : ImplicitParameters {
   static void declare(Declaration<Parameters>& d) { ImplicitParameters::declare(d); }
 };
 
-/// r⁺ = r + h v⁺, M (v⁺ − v)/h = f(r⁺, v⁺, t⁺) − Γ v⁺: first order, damps what it does not resolve.
+/// r⁺ = r + h v⁺, M (v⁺ − v)/h = f(r⁺, v⁺, t + h/2) − Γ v⁺: first order, damps what it does not
+/// resolve.
 class BackwardEuler final : public ImplicitIntegrator {
  public:
   BackwardEuler(const Parameters& p, const Setup& /*setup*/) : ImplicitIntegrator(p) {}
@@ -31,6 +32,7 @@ class BackwardEuler final : public ImplicitIntegrator {
     system.prescribe(end, to.r);
     std::string failure = newton_.solve(system, stage_, to);
     to.time = end;
+    if (failure.empty()) newton_.settle(system, stage_, h, to);
     // r(t + h) = r + h v⁺ − h² r̈/2 + …, with r̈ = (v⁺ − v)/h.
     return {std::move(failure), with_error() ? NodeVectors(h / 2 * (to.v - from.v)) : NodeVectors(),
             newton_.resolves_contacts()};
@@ -40,10 +42,7 @@ class BackwardEuler final : public ImplicitIntegrator {
   void accept(const State& from, const State& to) override {
     if (newton_.counts_corrections()) last_.accept(from, to);
   }
-  void forget() override {
-    ImplicitIntegrator::forget();
-    last_.forget();
-  }
+  void forget_history() override { last_.forget(); }
 
  private:
   SecondOrderError last_;  // for guesses, where a step is worth one

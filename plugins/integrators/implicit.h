@@ -37,6 +37,9 @@ class ImplicitIntegrator : public SteppedIntegrator {
   explicit ImplicitIntegrator(const ImplicitParameters& p)
       : SteppedIntegrator(p), newton_(p.settings()) {}
 
+  /// Contact goes on where loads jump; what a method remembers of earlier steps does not.
+  void restart() override { forget_history(); }
+  [[nodiscard]] Solves solves() const override { return Solves::tangents; }
   void save(Memory& memory) const override {
     SteppedIntegrator::save(memory);
     newton_.save(memory);
@@ -47,15 +50,22 @@ class ImplicitIntegrator : public SteppedIntegrator {
   }
 
  protected:
-  void forget() override { newton_.forget(); }
+  void forget() override {
+    newton_.forget();
+    forget_history();
+  }
+  /// Of earlier steps.
+  virtual void forget_history() {}
 
-  /// The stage of a step of backward Euler; other methods then change what differs.
+  /// The stage of a step of backward Euler; other methods then change what differs. Loads are
+  /// those of the step's middle: over a step, from one break to the next at most, that is their
+  /// mean where they change linearly, so that their impulse is the right one.
   void begin_stage(const State& from, double h) {
     stage_.r_base = stage_.start = from.r;
     stage_.v_base = from.v;
     stage_.tau = h;
     stage_.end = from.time + h;
-    stage_.time = just_before(stage_.end, h);
+    stage_.time = from.time + h / 2;
     stage_.by_strains = true;
     stage_.s = 0;
   }

@@ -27,11 +27,12 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
+    if (with_error() && !error_.is_known()) error_.start(acceleration(system, from, h));
     begin_stage(from, h);
     stage_.tau = h / 2;
-    stage_.time = from.time + h / 2;
     stage_.reach = 2;
     stage_.by_strains = false;
+    stage_.averages_strains = true;
     error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, target_);
     system.prescribe(end, target_);
     to.r = 0.5 * (from.r + target_);
@@ -40,29 +41,25 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
     to.r = 2 * to.r - from.r;
     to.v = 2 * to.v - from.v;
     to.time = end;
-    stop_what_touches(from, h, to);
+    newton_.settle(system, stage_, h, to);
     system.prescribe(end, to.r);
-    system.prescribe_velocity(end, to.v);
+    system.prescribe_velocity(end, h, to.v);
     return {"", with_error() ? error_.of(from, to, h, 1.0 / 12) : NodeVectors(),
             newton_.resolves_contacts()};
   }
   [[nodiscard]] int local_order() const override { return 3; }
   void accept(const State& from, const State& to) override { error_.accept(from, to); }
-  void forget() override {
-    ImplicitIntegrator::forget();
-    error_.forget();
-  }
+  void forget_history() override { error_.forget(); }
 
  private:
-  /// Contact is inelastic: what came to a collider does not leave it with the velocity it came
-  /// with, as 2 v_m − v would have it, nor does what sticks slide back.
-  void stop_what_touches(const State& from, double h, State& to) const {
-    for (const Touch& touch : newton_.touching()) {
-      const Vec3 mean = (to.r.row(touch.node) - from.r.row(touch.node)).transpose() / h;
-      const Vec3 excess = Vec3(to.v.row(touch.node).transpose()) - mean;
-      const Vec3 stopped = touch.sticks ? excess : Vec3(excess.dot(touch.normal) * touch.normal);
-      to.v.row(touch.node) -= stopped.transpose();
-    }
+  /// At the beginning of a step, contact left out.
+  [[nodiscard]] static NodeVectors acceleration(System& system, State from, double h) {
+    from.time = within_step(from.time, from.time, h);
+    system.evaluate(from);
+    NodeVectors force = system.force(), a;
+    for (int c = 0; c < 3; ++c) force.col(c) -= system.damping().cwiseProduct(from.v.col(c));
+    system.accelerate(force, a);
+    return a;
   }
 
   SecondOrderError error_;

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <array>
 
 #include <deform/solve/stepped_integrator.h>
@@ -24,6 +23,8 @@ class RungeKutta final : public SteppedIntegrator {
  public:
   RungeKutta(const Parameters& p, const Setup& /*setup*/) : SteppedIntegrator(p) {}
 
+  [[nodiscard]] Solves solves() const override { return Solves::nothing; }
+
  protected:
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const int stages = with_error() ? kStages : kStages - 1;
@@ -31,8 +32,8 @@ class RungeKutta final : public SteppedIntegrator {
       stage_ = from;
       add(kBefore[static_cast<std::size_t>(i)], i, h, stage_);
       stage_.time = from.time + kTime[static_cast<std::size_t>(i)] * h;
-      put_on_constraints(system, stage_);
-      stage_.time = std::min(stage_.time, just_before(from.time + h, h));
+      put_on_constraints(system, i == 0 ? -h : h, stage_);  // velocities of this step
+      stage_.time = within_step(stage_.time, from.time, h);
       system.evaluate(stage_);
       force_ = system.force();
       for (int c = 0; c < 3; ++c) force_.col(c) -= system.damping().cwiseProduct(stage_.v.col(c));
@@ -42,12 +43,12 @@ class RungeKutta final : public SteppedIntegrator {
     to = from;
     add(kWeight, stages, h, to);
     to.time = from.time + h;
-    put_on_constraints(system, to);
+    put_on_constraints(system, h, to);
     if (!with_error()) return {};
     State third = from;
     add(kThirdOrder, stages, h, third);
     third.time = to.time;
-    put_on_constraints(system, third);
+    put_on_constraints(system, h, third);
     return {"", to.r - third.r, false};
   }
   [[nodiscard]] int local_order() const override { return 4; }
@@ -61,9 +62,9 @@ class RungeKutta final : public SteppedIntegrator {
       state.v += h * b[j] * acceleration_[j];
     }
   }
-  static void put_on_constraints(const System& system, State& state) {
+  static void put_on_constraints(const System& system, double reach, State& state) {
     system.prescribe(state.time, state.r);
-    system.prescribe_velocity(state.time, state.v);
+    system.prescribe_velocity(state.time, reach, state.v);
   }
 
   State stage_;

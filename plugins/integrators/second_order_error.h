@@ -1,7 +1,9 @@
 /// Local errors of second-order methods by comparison with an extrapolation (Milne's device).
 #pragma once
 
+#include <cmath>
 #include <optional>
+#include <vector>
 
 #include <deform/solve/system.h>
 
@@ -15,6 +17,12 @@ class SecondOrderError {
   void accept(const State& from, const State& to) {
     step_ = to.time - from.time;
     acceleration_ = (to.v - from.v) / step_;
+  }
+  /// Where there is no step before: the acceleration at the time itself, which counts as that of a
+  /// last step of length 0.
+  void start(const NodeVectors& acceleration) {
+    step_ = 0;
+    acceleration_ = acceleration;
   }
   void forget() { acceleration_.resize(0, 3); }
   [[nodiscard]] bool is_known() const { return acceleration_.rows() > 0; }
@@ -43,10 +51,15 @@ class SecondOrderError {
   void load(const Memory& memory) {
     step_ = memory.get("last_step", 1).front();
     forget();
-    const auto entry = memory.entries().find("acceleration");
-    if (entry == memory.entries().end()) return;
-    acceleration_ = Eigen::Map<const NodeVectors>(entry->second.data(),
-                                                  static_cast<Index>(entry->second.size() / 3), 3);
+    if (!memory.entries().contains("acceleration")) return;
+    // Of as many nodes as the state of the step that it is known from.
+    const auto state = memory.entries().find("last.r");
+    const std::vector<double>& known =
+        memory.get("acceleration", state == memory.entries().end() ? 0 : state->second.size());
+    acceleration_ =
+        Eigen::Map<const NodeVectors>(known.data(), static_cast<Index>(known.size() / 3), 3);
+    if (!acceleration_.allFinite() || !(step_ > 0) || !std::isfinite(step_))
+      throw InputError("the checkpoint's \"acceleration\" is not finite, or of no step");
   }
 
  private:

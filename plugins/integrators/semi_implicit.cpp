@@ -15,7 +15,7 @@ struct Parameters {
 };
 
 /// The semi-implicit step of Terzopoulos et al. (1987) for (16), with K, c and the loads of the
-/// known state:
+/// known state (loads of the step's middle):
 ///   (K + mu/dt² + gamma/(2dt)) r⁺ = f + c + (mu/dt² + gamma/(2dt)) r + (mu/dt − gamma/2) v,
 /// v = (r − r⁻)/dt. As the internal force is c − K r, it is solved for the increment r⁺ − r, whose
 /// right-hand side is the total force: the same step, less rounding.
@@ -25,7 +25,11 @@ class SemiImplicit final : public Integrator {
 
   [[nodiscard]] bool lags_coefficients() const override { return true; }
   void advance(System& system, State& state, double step) override {
+    // Loads of the step's middle: their mean where they change linearly from break to break.
+    const double begin = state.time;
+    state.time += step / 2;
     system.evaluate_with_operator(state);
+    state.time = begin;
     // Force fields with a scalar damping tangent take it implicitly: f(v⁺) = f(v) − c (v⁺ − v), v⁺
     // = Δr/dt.
     const NodeValues& c = system.force_damping();

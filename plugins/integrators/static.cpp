@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 
+#include <deform/geometry/rounding.h>
 #include <deform/log.h>
 #include <deform/solve/integrator.h>
 
@@ -35,7 +37,7 @@ constexpr int kMostCuts = 24;
 /// Whole Newton steps before a line search is tried.
 constexpr int kMostLongSteps = 25;
 /// Forces that cancel to this part of what they are made of count as balanced where no step helps;
-/// a Newton step below this part of the size moves nothing.
+/// a Newton step below this part of the size, or the rounding of positions, moves nothing.
 constexpr double kRoundingOfForces = 1e-6, kRoundingOfPositions = 1e-13;
 /// Forces that differ by less than this factor are of one kind.
 constexpr double kOfTheSameKind = 100;
@@ -59,6 +61,7 @@ class Static final : public Integrator {
   Static(const Parameters& p, const Setup& /*setup*/) : parameters_(p) {}
 
   [[nodiscard]] bool is_static() const override { return true; }
+  [[nodiscard]] Solves solves() const override { return Solves::tangents; }
 
   void advance(System& system, State& state, double step) override {
     begin(system, state, step);
@@ -121,6 +124,8 @@ class Static final : public Integrator {
     first_force_ = system.force();
     start_residual_ = 0;
     size_ = (start_.colwise().maxCoeff() - start_.colwise().minCoeff()).maxCoeff();
+    still_ = kRoundingOfPositions * size_ +
+             std::max(rounding_of_positions(start_), rounding_of_positions(target_));
   }
 
   void say_once_what_has_no_potential(const System& system) {
@@ -204,7 +209,7 @@ class Static final : public Integrator {
       const double norm = residual_norm(system, lambda);
       if (i == 0) start_residual_ = norm;
       const double relative = report(system, norm, i);
-      const bool is_still = moved <= kRoundingOfPositions * size_;
+      const bool is_still = moved <= still_;
       if (relative <= parameters_.tolerance || (is_still && relative <= kRoundingOfForces))
         return accept(system);
       if (i == most || !std::isfinite(norm))
@@ -215,8 +220,7 @@ class Static final : public Integrator {
       std::string reason = newton_direction(system, state);
       const double longest = reason.empty() ? direction_.rowwise().norm().maxCoeff() : 0;
       // What is left over is the forces' rounding: the residual is relative to next to nothing.
-      if (reason.empty() && longest <= kRoundingOfPositions * size_)
-        return accept(system, kOfTheSameKind * norm);
+      if (reason.empty() && longest <= still_) return accept(system, kOfTheSameKind * norm);
       if (steps == Steps::newton) {
         if (reason.empty() && !(longest <= 2 * size_)) reason = "it leads out of all bounds";
         if (!reason.empty()) return {false, "no Newton step (" + reason + ")"};
@@ -322,17 +326,28 @@ class Static final : public Integrator {
     system.step_report().iterations = 1;
   }
 
+  /// Eigenvalues at the last tangent; nothing where they cannot be had: an equilibrium, or the
+  /// reason why there is none, is worth reporting without.
+  [[nodiscard]] static std::optional<System::Stability> stability_of(System& system) {
+    try {
+      return system.stability();
+    } catch (const Error& e) {
+      if (e.code() != ExitCode::diverged) throw;
+      return std::nullopt;
+    }
+  }
+
   /// Whether the equilibrium is one that the surface stays at.
   void report_stability(System& system, const State& state) {
     if (!has_potential_) return;
     system.evaluate_with_tangent(state, Tangent::exact);
     if (system.factor_tangent(zero_).empty()) return;
-    const System::Stability stability = system.stability();
-    if (stability.negative == 0) return;
+    const std::optional<System::Stability> found = stability_of(system);
+    if (!found || found->negative == 0) return;
     log::warn("static: the equilibrium at " + std::to_string(end_) +
               " s is not stable: a limit or bifurcation point was passed (" +
-              std::to_string(stability.negative) + " negative eigenvalues of the tangent, lowest " +
-              scientific(stability.lowest) + " /s²)");
+              std::to_string(found->negative) + " negative eigenvalues of the tangent, lowest " +
+              scientific(found->lowest) + " /s²)");
   }
 
   [[noreturn]] void give_up(System& system, const State& state, double done,
@@ -341,9 +356,9 @@ class Static final : public Integrator {
         "no equilibrium beyond " + std::to_string(100 * done) + " % of the step's load: " + reason;
     if (has_potential_) {
       system.evaluate_with_tangent(state, Tangent::exact);
-      const System::Stability stability = system.stability();
-      why += "; the lowest eigenvalue of the tangent there is " + scientific(stability.lowest) +
-             " /s² (near 0: a limit or bifurcation point)";
+      if (const std::optional<System::Stability> found = stability_of(system))
+        why += "; the lowest eigenvalue of the tangent there is " + scientific(found->lowest) +
+               " /s² (near 0: a limit or bifurcation point)";
     }
     throw Error(ExitCode::diverged, why);
   }
@@ -357,6 +372,7 @@ class Static final : public Integrator {
   Parameters parameters_;
   bool has_potential_ = true, said_ = false;
   double end_ = 0, size_ = 0, scale_ = 0, start_residual_ = 0;
+  double still_ = 0;  // Newton steps that are not longer move nothing [m]
   std::vector<Freedom> held_;
   NodeValues zero_;
   NodeVectors start_, target_, first_force_, residual_, direction_;

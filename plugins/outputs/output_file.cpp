@@ -3,7 +3,9 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <fcntl.h>
 #include <system_error>
+#include <unistd.h>
 #include <vector>
 
 #include <deform/error.h>
@@ -34,7 +36,11 @@ void append_shortest(std::string& text, Number value) {
 
 OutputFile::OutputFile(std::filesystem::path path)
     : path_(std::move(path)), temporary_(path_.string() + ".part") {
-  file_ = std::fopen(temporary_.c_str(), "wb");
+  // A new file in place of what has its name: where somebody's link leads to is not written to.
+  if (::unlink(temporary_.c_str()) != 0 && errno != ENOENT) fail(path_, std::strerror(errno));
+  const int made =
+      ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  file_ = made < 0 ? nullptr : ::fdopen(made, "wb");
   if (file_ == nullptr) fail(path_, std::strerror(errno));
 }
 
@@ -66,6 +72,8 @@ void OutputFile::commit() {
 
 void make_folder(const std::filesystem::path& folder, std::optional<long> resumed_at) {
   std::error_code error;
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(folder, error)))
+    fail(folder, "it is a link, and where it leads to is no part of the run");
   std::filesystem::create_directories(folder, error);
   if (error) fail(folder, error.message());
   if (!resumed_at) return;

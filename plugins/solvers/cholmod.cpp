@@ -6,7 +6,7 @@
 
 #include <deform/solve/linear_solver.h>
 
-#include "one_blas_thread.h"
+#include "one_thread.h"
 
 namespace {
 using namespace deform;
@@ -62,7 +62,6 @@ cholmod_dense view_of(const Eigen::Ref<const Eigen::MatrixXd>& b) {
 class Cholmod final : public LinearSolver {
  public:
   Cholmod(const Parameters& p, const Setup& /*setup*/) {
-    keep_blas_on_one_thread();
     cholmod_start(&common_);
     common_.print = 0;  // failures are reported, not printed
     common_.nmethods = 1;
@@ -84,6 +83,7 @@ class Cholmod final : public LinearSolver {
   }
 
   void analyse(const SparseMatrix& a, const MatrixTraits& /*traits*/) override {
+    const OneThread one;
     cholmod_free_factor(&factor_, &common_);
     if (a.size == 0) return;
     cholmod_sparse view = view_of(a);
@@ -93,6 +93,7 @@ class Cholmod final : public LinearSolver {
   }
 
   [[nodiscard]] std::string factor(const SparseMatrix& a) override {
+    const OneThread one;
     if (a.size == 0) return "";
     if (factor_ == nullptr || factor_->n != static_cast<std::size_t>(a.size))
       throw std::logic_error("factor() of a matrix that was not analysed");
@@ -108,6 +109,7 @@ class Cholmod final : public LinearSolver {
   }
 
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) override {
+    const OneThread one;
     if (b.size() == 0) return;
     cholmod_dense view = view_of(b);
     if (cholmod_solve2(CHOLMOD_A, factor_, &view, nullptr, &x_, nullptr, &y_, &e_, &common_) == 0)

@@ -7,7 +7,7 @@
 
 #include <deform/solve/linear_solver.h>
 
-#include "one_blas_thread.h"
+#include "one_thread.h"
 
 namespace {
 using namespace deform;
@@ -38,16 +38,14 @@ std::string failure(int status) {
 /// sees is Aᵀ.
 class Umfpack final : public LinearSolver {
  public:
-  Umfpack(const NoParameters& /*p*/, const Setup& /*setup*/) {
-    keep_blas_on_one_thread();
-    umfpack_di_defaults(control_);
-  }
+  Umfpack(const NoParameters& /*p*/, const Setup& /*setup*/) { umfpack_di_defaults(control_); }
 
   [[nodiscard]] double suitability(const MatrixTraits& /*traits*/) const override { return 5; }
 
   /// From the pattern alone: with values, the ordering and so the bits of all later solutions could
   /// depend on which matrix happened to be the first, and a resumed run would differ.
   void analyse(const SparseMatrix& a, const MatrixTraits& /*traits*/) override {
+    const OneThread one;
     numeric_.reset();
     symbolic_.reset();
     a_ = a;
@@ -64,6 +62,7 @@ class Umfpack final : public LinearSolver {
   }
 
   [[nodiscard]] std::string factor(const SparseMatrix& a) override {
+    const OneThread one;
     if (a.size != a_.size || a.value.size() != a_.column.size())
       throw std::logic_error("factor() of a matrix that was not analysed");
     if (a.size == 0) return "";
@@ -80,6 +79,7 @@ class Umfpack final : public LinearSolver {
   }
 
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) override {
+    const OneThread one;
     if (b.size() == 0) return;
     for (Index k = 0; k < b.cols(); ++k) {
       const int status = umfpack_di_wsolve(

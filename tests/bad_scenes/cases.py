@@ -34,7 +34,7 @@ BEYOND_SCHEMA = {
                  r"found \S*1e\+300\S*, expected .*whole number"),
     "plugin": ("what a plugin's constructor alone knows",
                r"is empty|must be 1 or -1|too extreme|normal is 0|rounding is more"
-               r"|inside of this collider|number of waves"),
+               r"|inside of this collider|no number holds|no area around node|weighs|number of waves"),
 }
 
 BASE = {
@@ -360,6 +360,16 @@ bad("formula_with_unknown_name", {"/surface/rest": {"plugin": "formula", "z": "s
     "at /surface/rest/z", 'there is no "b1"', "a1", beyond="formulas")
 bad("velocity_with_unknown_name", {"/velocity": [0, "b1", 0]}, "at /velocity/1",
     'there is no "b1"', "a1", beyond="formulas")
+bad("velocity_whose_square_overflows", {"/velocity": [0, 0, 1e155]}, "at /velocity",
+    "kinetic energy no number holds", beyond="plugin")
+bad("collider_whose_square_overflows",
+    {"/colliders": [{"plugin": "sphere", "centre": [0, 0, -1e200], "radius": 1}]},
+    "at /colliders/0", "no number holds squares of such sizes", beyond="plugin")
+bad("rest_without_area", {"/surface/rest": {"plugin": "formula", "y": "0*a2"}}, "at /surface/rest",
+    "no area around node", beyond="plugin")
+bad("masses_of_two_materials", {"/material": {}, "/energies": [
+    {"plugin": "koiter", "material": "steel"}, {"plugin": "koiter_orthotropic", "material": "paper"}]},
+    "at /material/density", "say what the surface weighs", beyond="plugin")
 bad("velocity_not_finite", {"/velocity": {"linear": [0, 0, "1/a1"]}}, "at /velocity/linear/2",
     "is inf at a1 = 0", beyond="formulas")
 bad("formula_that_ends_early", {"/surface/rest": {"plugin": "formula", "z": "2*("}},

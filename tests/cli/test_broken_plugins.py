@@ -337,6 +337,40 @@ class NobodyAsked(BrokenPlugins):
         self.folder.chmod(stat.S_IRWXU)
         self.assertEqual(self.run_scene(DEFORM_PLUGIN_PATH=str(self.folder)).returncode, 0)
 
+    def test_nor_does_the_way_to_a_folder_of_the_environment_lead_through_others(self):
+        outer = self.folder / "outer"
+        inner = outer / "inner"
+        inner.mkdir(parents=True)
+        library = Path(shutil.copy(FIXTURES / "normal-marker.so", inner))
+        library.chmod(stat.S_IRWXU)
+        link = self.folder / "link"
+        link.symlink_to(inner)
+
+        def refuses(place, why):
+            for folder in (inner, link):
+                result = self.run_scene(DEFORM_PLUGIN_PATH=str(folder))
+                self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+                self.assertIn(f"{place} {why}", result.stderr.replace(str(folder) + " is not safe: ", ""))
+                self.assertFalse(self.marker.exists())
+
+        outer.chmod(stat.S_IRWXU | stat.S_IWOTH)
+        refuses(outer, "is world-writable")
+        outer.chmod(stat.S_IRWXU)
+        library.chmod(stat.S_IRWXU | stat.S_IWOTH)
+        result = self.run_scene(DEFORM_PLUGIN_PATH=str(inner))
+        self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+        self.assertIn("normal-marker.so is world-writable", result.stderr)
+        library.chmod(stat.S_IRWXU)
+        if os.geteuid() == 0:
+            os.chown(inner, 12345, 12345)
+            refuses(inner, "belongs to another user (12345)")
+            os.chown(inner, 0, 12345)
+            inner.chmod(stat.S_IRWXU | stat.S_IWGRP)
+            refuses(inner, "is writable by a group (12345)")
+            os.chown(inner, 0, 0)
+            inner.chmod(stat.S_IRWXU)
+        self.assertEqual(self.run_scene(DEFORM_PLUGIN_PATH=str(link)).returncode, 0)
+
 
 if __name__ == "__main__":
     unittest.main()

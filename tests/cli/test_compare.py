@@ -113,6 +113,11 @@ class Results(CompareTest):
                              [0, 0, 0])
         self.assertIsNone(self.summary(folder)["variants"][1]["parts"])
 
+    def test_a_duration_between_two_steps_is_said_once(self):
+        done, folder = self.compare(sheet(duration=0.05))
+        self.assertEqual(done.stderr.count("no whole number of steps"), 1, done.stderr)
+        self.assertIn("no whole number of steps", (folder / "exact" / "log.txt").read_text())
+
     def test_parting_is_the_first_row_beyond_the_tolerance(self):
         _, folder = self.compare(sheet(), "--tolerance", "1e-5")
         summary = self.summary(folder)

@@ -16,7 +16,7 @@ import numpy as np  # noqa: E402
 SCRIPTS = Path(os.environ.get("DEFORM_SOURCE", Path(__file__).resolve().parents[2])) / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 
-from reference_values import annulus, beams, koiter, numerics, plates, shells  # noqa: E402
+from reference_values import annulus, beams, koiter, numerics, plates, shells, strips  # noqa: E402
 
 
 class Numerics(unittest.TestCase):
@@ -81,6 +81,27 @@ class Beams(unittest.TestCase):
         self.assertAlmostEqual(beams.cantilever_frequency(), 3.516, delta=0.51e-3)
         self.assertAlmostEqual(beams.cantilever_frequency(), beams.frequency_by_polynomials(),
                                delta=1e-11)
+
+
+class Strips(unittest.TestCase):
+    def test_lateral_buckling_of_plates(self):
+        # An independent Ritz computation of some hundred functions, nu = 0.35.
+        for width, customary in ((.1, 14.88), (.3, 17.66), (.5, 20.82), (.7, 24.16), (.9, 27.53)):
+            with self.subTest(width=width):
+                few = strips.lateral_buckling_of_plate(width, .35, 12, 8)
+                self.assertAlmostEqual(few, customary, delta=0.51e-2)
+                value = strips.lateral_buckling_of_plate(width, .35, 18, 10)
+                self.assertLess(value, few)  # Ritz's loads come from above
+                self.assertAlmostEqual(value / few, 1, delta=1.5e-3)
+
+    def test_narrow_strips_are_beams(self):
+        for nu in (0, .35):
+            beam = strips.lateral_buckling_of_beam(nu, beams.lateral_buckling_weight())
+            wide, narrow = (strips.lateral_buckling_of_plate(width, nu, 48, 6) / beam
+                            for width in (.02, .01))
+            self.assertAlmostEqual(narrow, 1, delta=0.01)
+            # The clamp hinders twist over a length of the width: of first order in it.
+            self.assertAlmostEqual((wide - 1) / (narrow - 1), 2, delta=0.2)
 
 
 class Plates(unittest.TestCase):

@@ -220,9 +220,19 @@ class Talk(RunCommand):
         self.assertRegex(result.stderr, r"sheet.json:1:\d+: .*0\.05 s is no whole number of steps "
                          r"of 0\.02 s: 3 are run, to 0\.06 s")
         self.assertEqual(self.load("summary.json")["steps"], 3)
+        self.assertIn("no whole number of steps", (self.out / "log.txt").read_text())
         result = self.deform("validate", self.write(sheet(duration=0.05)))
         self.assertEqual(result.returncode, 0)
         self.assertEqual(result.stderr.count("no whole number of steps"), 1, result.stderr)
+
+    def test_an_error_below_rounding_is_refused(self):
+        for integrator in ("backward_euler", "bdf2", "implicit_midpoint", "runge_kutta"):
+            with self.subTest(integrator=integrator):
+                result = self.deform("run", self.write(sheet(integrator={
+                    "plugin": integrator, "step": 0.02, "error": 1e-300})), "--out", self.out)
+                self.assertEqual(result.returncode, 2, result.stderr)
+                self.assertRegex(result.stderr, r"/integrator.*'error' is 1e-300, expected 0 or")
+                self.assertFalse(self.out.exists())
 
     def test_output_that_cannot_be_written(self):
         for arguments in (("plugins",), ("schema",), ("--help",), ("plugins", "normal/gauss")):

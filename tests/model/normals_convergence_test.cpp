@@ -30,7 +30,8 @@ std::shared_ptr<Plugin> make(PluginKind kind, const std::string& name,
   Setup setup(
       [registry](const PluginUse& use, const Setup& s) { return registry->create(use, s); });
   static const NodeVectors none;
-  if (surface != nullptr) setup.with_surface(*surface, none);
+  static const NodeValues no_areas;
+  if (surface != nullptr) setup.with_surface(*surface, none, no_areas);
   return registry->create({kind, name, values, ""}, setup);
 }
 

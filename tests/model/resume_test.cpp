@@ -243,7 +243,7 @@ TEST_F(Resume, TableThatIsShorterThanTheCheckpointSaysIsRefused) {
   fs::resize_file(run / "probes.csv", 10);
   EXPECT_THAT(refusal(run, scene()), HasSubstr("probes.csv has 10 bytes only"));
   fs::remove(run / "probes.csv");
-  EXPECT_THAT(refusal(run, scene()), HasSubstr("probes.csv cannot be read"));
+  EXPECT_THAT(refusal(run, scene()), HasSubstr("probes.csv is not there"));
 }
 
 TEST_F(Resume, FolderOfSomebodyElseIsRefused) {

@@ -1,5 +1,7 @@
 #include "simulation/checkpoint.h"
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -12,6 +14,8 @@
 #include "deform/error.h"
 
 #include "simulation/files.h"
+#include "simulation/scene_files.h"
+#include "simulation/sha256.h"
 
 namespace deform {
 namespace {
@@ -20,9 +24,9 @@ using testing::HasSubstr;
 
 Checkpoint example() {
   Checkpoint checkpoint;
-  checkpoint.scene = identity_of(std::string("{}"));
+  checkpoint.scene = identity_of("{}", {});
   checkpoint.step = 12345678901;
-  checkpoint.table_bytes = 4711;
+  checkpoint.files = {{"probes.csv", 4711, sha256_of("rows")}, {"vtk/surface_000000.vtp", 17, ""}};
   checkpoint.memory.put("state/r", {0.1, -0.0, std::numeric_limits<double>::denorm_min()});
   checkpoint.memory.put("probe/x/none", {});
   checkpoint.memory.put("probes/figures", {kInfinity, std::numeric_limits<double>::quiet_NaN()});
@@ -48,8 +52,12 @@ std::string forged(std::size_t at, Number number) {
 }
 
 // Where the numbers stand: after "deform checkpoint\n" and, further on, the identity.
-constexpr std::size_t kVersionAt = 18, kStepAt = kVersionAt + 4 + 64, kCountAt = kStepAt + 16,
-                      kNameLengthAt = kCountAt + 8, kListLengthAt = kNameLengthAt + 8;
+constexpr std::size_t kVersionAt = 18, kStepAt = kVersionAt + 4 + 64, kFileCountAt = kStepAt + 8,
+                      kFileNameLengthAt = kFileCountAt + 8, kHashLengthAt = kFileNameLengthAt + 8,
+                      kFileNameAt = kHashLengthAt + 16,
+                      // Behind both files, one of which has a hash.
+    kCountAt = kFileNameLengthAt + 2 * 24 + 10 + 64 + 22, kNameLengthAt = kCountAt + 8,
+                      kListLengthAt = kNameLengthAt + 8;
 
 TEST(CheckpointFile, ComesBackBitByBit) {
   const Checkpoint written = example();
@@ -57,7 +65,14 @@ TEST(CheckpointFile, ComesBackBitByBit) {
   const Checkpoint read = decode_checkpoint(content, "file");
   EXPECT_EQ(read.scene, written.scene);
   EXPECT_EQ(read.step, written.step);
-  EXPECT_EQ(read.table_bytes, written.table_bytes);
+  ASSERT_EQ(read.files.size(), written.files.size());
+  for (std::size_t i = 0; i < read.files.size(); ++i) {
+    EXPECT_EQ(read.files[i].name, written.files[i].name);
+    EXPECT_EQ(read.files[i].bytes, written.files[i].bytes);
+    EXPECT_EQ(read.files[i].sha256, written.files[i].sha256);
+  }
+  ASSERT_NE(read.file("probes.csv"), nullptr);
+  EXPECT_EQ(read.file("trajectory.bin"), nullptr);
   ASSERT_EQ(read.memory.entries().size(), written.memory.entries().size());
   EXPECT_EQ(encoded(read), content);  // NaN and −0 included
 }
@@ -86,8 +101,8 @@ TEST(CheckpointFile, WithAnyBitFlippedItIsRefused) {
 TEST(CheckpointFile, SaysWhatIsWrong) {
   EXPECT_THAT(refusal(""), HasSubstr("not a checkpoint of deform"));
   EXPECT_THAT(refusal("step,time [s]\n0,0\n1,0.1\n"), HasSubstr("not a checkpoint of deform"));
-  EXPECT_THAT(refusal(forged<std::uint32_t>(kVersionAt, 3)),
-              HasSubstr("version 3, this program reads version 2"));
+  EXPECT_THAT(refusal(forged<std::uint32_t>(kVersionAt, 2)),
+              HasSubstr("version 2, this program reads version 3"));
   EXPECT_THAT(refusal(encoded(example()) + "x"), HasSubstr("checksum is wrong"));
   EXPECT_THAT(refusal(forged<std::int64_t>(kStepAt, -1)), HasSubstr("steps is negative"));
 }
@@ -95,6 +110,9 @@ TEST(CheckpointFile, SaysWhatIsWrong) {
 TEST(CheckpointFile, BelievesNoLengthThatGoesBeyondItsEnd) {
   for (const std::uint64_t length : {std::uint64_t{1} << 20U, std::uint64_t{1} << 61U,
                                      (std::uint64_t{1} << 61U) + 1, ~std::uint64_t{0}}) {
+    EXPECT_NE(refusal(forged(kFileCountAt, length)), "") << length;
+    EXPECT_NE(refusal(forged(kFileNameLengthAt, length)), "") << length;
+    EXPECT_NE(refusal(forged(kHashLengthAt, length)), "") << length;
     EXPECT_NE(refusal(forged(kCountAt, length)), "") << length;
     EXPECT_NE(refusal(forged(kNameLengthAt, length)), "") << length;
     EXPECT_NE(refusal(forged(kListLengthAt, length)), "") << length;
@@ -102,16 +120,33 @@ TEST(CheckpointFile, BelievesNoLengthThatGoesBeyondItsEnd) {
   EXPECT_THAT(refusal(forged<std::uint64_t>(kCountAt, 2)), HasSubstr("longer than"));
 }
 
+TEST(CheckpointFile, KnowsNoFileOutsideOfTheRunDirectory) {
+  for (const char* name : {"../etc/pass", "/etc/passwd", "vtk/../ab", "./probes.c"}) {
+    std::array<char, 10> forged_name{};
+    std::copy_n(name, std::min<std::size_t>(std::strlen(name), 10), forged_name.begin());
+    EXPECT_THAT(refusal(forged(kFileNameAt, forged_name)), HasSubstr("none of a run directory"));
+  }
+}
+
 TEST(CheckpointIdentity, IsThatOfWhatTheRunComputes) {
-  const std::string scene = identity_of(
-      std::string(R"({"title": "a", "duration": 1, "material": {"density": 0.1, "damping": 1}})"));
+  const auto of = [](const char* text) { return identity_of(text, {}); };
+  const std::string scene =
+      of(R"({"title": "a", "duration": 1, "material": {"density": 0.1, "damping": 1}})");
   EXPECT_EQ(scene.size(), 64U);
-  EXPECT_EQ(scene, identity_of(std::string(R"({"material": {"damping": 1, "density": 0.1},
-      "checkpoint": {"seconds": 3}, "duration": 7, "title": "a"})")));
-  EXPECT_NE(
-      scene,
-      identity_of(std::string(R"({"title": "a", "duration": 1, "material": {"density": 0.2}})")));
-  EXPECT_EQ(identity_of(std::string("no JSON")), "");
+  EXPECT_EQ(scene, of(R"({"material": {"damping": 1, "density": 0.1},
+      "checkpoint": {"seconds": 3}, "duration": 7, "title": "a"})"));
+  EXPECT_NE(scene, of(R"({"title": "a", "duration": 1, "material": {"density": 0.2}})"));
+  EXPECT_EQ(of("no JSON"), "");
+}
+
+TEST(CheckpointIdentity, IsThatOfWhatItsFilesHoldWhereverTheyLie) {
+  const auto of = [](const char* text, const char* content) {
+    return identity_of(text, {{"/surface/shape/path", "/", sha256_of(content)}});
+  };
+  const char *here = R"({"surface": {"shape": {"path": "/a/rest.txt"}}})",
+             *there = R"({"surface": {"shape": {"path": "../rest.txt"}}})";
+  EXPECT_EQ(of(here, "0 0 0"), of(there, "0 0 0"));
+  EXPECT_NE(of(here, "0 0 0"), of(here, "0 0 1"));
 }
 
 TEST(CheckpointSchedule, CountsStepsAndTime) {

@@ -167,6 +167,14 @@ TEST(SameTimes, MatchThroughRounding) {
   for (std::size_t i = 0; i < pairs.size(); ++i) EXPECT_EQ(pairs[i], std::make_pair(i, 4 * i));
 }
 
+TEST(SameTimes, OfSingleMomentsAreSoInAnyUnit) {
+  for (const double unit : {1e-12, 1.0, 1e9}) {
+    EXPECT_EQ(same_times({{1, 0.3 * unit}}, {{4, 0.3 * (1 + 1e-15) * unit}}).size(), 1U);
+    EXPECT_EQ(same_times({{1, 0.3 * unit}}, {{1, 0.4 * unit}}).size(), 0U);
+    EXPECT_EQ(same_times({{0, 0}}, {{1, unit}}).size(), 0U);
+  }
+}
+
 TEST(LengthText, HasAPrefix) {
   EXPECT_EQ(length_text(0.1123), "112 mm");
   EXPECT_EQ(length_text(2.5), "2.5 m");

@@ -19,7 +19,7 @@ class Constraints : public testing::Test {
   Constraints() : setup(test::bare_setup()) {
     initial = NodeVectors::Random(surface.nodes(), 3);
     surface.set_initial(initial);
-    setup.with_surface(surface, surface.rest());
+    setup.with_surface(surface, surface.rest(), surface.areas());
   }
 
   // Where the constraint puts nodes that are all far away.

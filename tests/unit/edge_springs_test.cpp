@@ -16,7 +16,9 @@ using test::parameters;
 
 class EdgeSprings : public testing::Test {
  public:
-  EdgeSprings() : setup(test::bare_setup()) { setup.with_surface(surface, surface.rest()); }
+  EdgeSprings() : setup(test::bare_setup()) {
+    setup.with_surface(surface, surface.rest(), surface.areas());
+  }
 
   [[nodiscard]] std::shared_ptr<TupleTerm> make(bool diagonals) const {
     return make_builtin<TupleTerm>(

@@ -57,6 +57,12 @@ TEST(Expression, RefusesNamesOfConstants) {
     EXPECT_THAT(complaint("1", {{impossible, 3}}), HasSubstr("a constant cannot be called"));
 }
 
+TEST(Expression, TakesManyConstants) {
+  Expression::Constants constants;
+  for (int i = 0; i < 20000; ++i) constants["k" + std::to_string(i)] = i;
+  EXPECT_EQ(value("k19999 + a1", 1, 0, constants), 20000);  // in seconds, not minutes
+}
+
 TEST(Expression, WantsAValueForEachVariable) {
   EXPECT_THROW((void)Expression("1", {"a"})(std::array{1.0, 2.0}), Error);
 }

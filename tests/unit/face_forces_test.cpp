@@ -37,7 +37,7 @@ struct Loaded {
   Loaded(const Surface& surface_, const std::string& name, const ParameterValues& values)
       : surface(surface_), r(surface.rest()), v(NodeVectors::Zero(r.rows(), 3)) {
     auto setup = test::bare_setup();
-    setup.with_surface(surface, surface.rest());
+    setup.with_surface(surface, surface.rest(), surface.areas());
     field = make_builtin<ForceField>(name, values, setup);
   }
 

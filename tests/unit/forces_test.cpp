@@ -23,7 +23,7 @@ constexpr double kFactor = 0.5;
 class Forces : public testing::Test {
  public:
   Forces() : setup(test::bare_setup()) {
-    setup.with_surface(surface, surface.rest());
+    setup.with_surface(surface, surface.rest(), surface.areas());
     std::mt19937 generator(7);
     std::uniform_real_distribution<double> uniform(-1, 1);
     for (auto* field : {&r, &v, &normal})

@@ -1,8 +1,12 @@
 /// trajectory.bin: what is written comes back; what is not one is refused.
 #include "deform/record/trajectory.h"
 
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <limits>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -121,6 +125,91 @@ TEST_F(TrajectoryTest, RefusesWhatIsNone) {
   EXPECT_TRUE(refused(huge));
   fs::remove(file_);
   EXPECT_THROW(Trajectory{file_}, InputError);
+}
+
+/// The places of a trajectory's parts, from its own header.
+struct Layout {
+  explicit Layout(const std::string& bytes) {
+    std::uint64_t length = 0;
+    std::memcpy(&length, bytes.data() + kMagicBytes, sizeof length);
+    header = kMagicBytes + sizeof length;
+    const std::size_t nodes = 6 * 5;
+    parameters = header + length;
+    areas = parameters + 16 * nodes;
+    begin = areas + 8 * nodes;
+    corners = begin + 4 * (5 * 4 + 1);
+    frame = corners + 4 * (4 * 5 * 4);
+  }
+  static constexpr std::size_t kMagicBytes = 20;
+  std::size_t header, parameters, areas, begin, corners, frame;
+};
+
+class HostileTrajectory : public TrajectoryTest {
+ protected:
+  void SetUp() override {
+    TrajectoryTest::SetUp();
+    std::ifstream in(file_, std::ios::binary);
+    good_.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  /// Why a file with other bytes somewhere is refused; "" where it is not.
+  template <class T>
+  std::string refusal(std::size_t at, T value) {
+    std::string bytes = good_;
+    std::memcpy(bytes.data() + at, &value, sizeof value);
+    return refusal_of(bytes);
+  }
+  std::string refusal_of(const std::string& bytes) {
+    std::ofstream(file_, std::ios::binary) << bytes;
+    try {
+      const Trajectory trajectory(file_);
+      (void)trajectory.positions(0);
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  }
+  /// The header with another number of something, as long as before.
+  std::string with_count(const std::string& key, const std::string& digits) {
+    std::string bytes = good_;
+    const std::size_t at = bytes.find("\"" + key + "\":") + key.size() + 3;
+    const std::size_t end = bytes.find_first_of(",}", at);
+    std::uint64_t length = 0;
+    std::memcpy(&length, bytes.data() + Layout::kMagicBytes, sizeof length);
+    length += digits.size() - (end - at);
+    bytes.replace(at, end - at, digits);
+    std::memcpy(bytes.data() + Layout::kMagicBytes, &length, sizeof length);
+    return bytes;
+  }
+
+  std::string good_;
+};
+
+TEST_F(HostileTrajectory, BelievesNoIndexCountOrSize) {
+  using ::testing::HasSubstr;
+  const Layout at(good_);
+  ASSERT_EQ(refusal_of(good_), "");
+  for (const char* count : {"-1", "1e9", "2147483647", "4294967297", "18446744073709551615", "0"})
+    for (const char* key : {"nodes", "faces", "corners"})
+      EXPECT_NE(refusal_of(with_count(key, count)), "") << key << ' ' << count;
+  EXPECT_THAT(refusal_of(with_count("size", "-1.0")), HasSubstr("no size"));
+  for (const std::int32_t corner : {-1, 30, 1 << 30})
+    EXPECT_THAT(refusal(at.corners, corner), HasSubstr("no node")) << corner;
+  for (const std::int32_t begin : {-4, 1, 9, 1 << 30})
+    EXPECT_THAT(refusal(at.begin + 4, begin), HasSubstr("faces")) << begin;
+  EXPECT_THAT(refusal(at.begin, 1), HasSubstr("faces"));
+}
+
+TEST_F(HostileTrajectory, NumbersAreFiniteAndTimesAscend) {
+  using ::testing::HasSubstr;
+  const Layout at(good_);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal(at.parameters, nan), HasSubstr("not finite"));
+  EXPECT_THAT(refusal(at.areas, kInfinity), HasSubstr("not finite"));
+  EXPECT_THAT(refusal(at.frame, std::int64_t{-1}), HasSubstr("ascend"));
+  EXPECT_THAT(refusal(at.frame, std::int64_t{1} << 40), HasSubstr("ascend"));
+  EXPECT_THAT(refusal(at.frame + 8, nan), HasSubstr("ascend"));
+  EXPECT_THAT(refusal(at.frame + 8, 1e9), HasSubstr("ascend"));
+  EXPECT_THAT(refusal(at.frame + 16, nan), HasSubstr("frame 0 is not finite"));
 }
 
 }  // namespace

@@ -45,6 +45,20 @@ TEST(TimeProfile, TableIsLinearBetweenPointsAndConstantOutside) {
   EXPECT_EQ((TimeProfile{Form::table, {{2, 0.5}}}(0)), 0.5);
 }
 
+TEST(TimeProfile, NamesItsBreaksInAnyUnitOfTime) {
+  EXPECT_EQ(TimeProfile{}.next_break(0), kInfinity);
+  EXPECT_EQ((TimeProfile{Form::constant, {{0, 2}}}.next_break(-1)), kInfinity);
+  for (const double unit : {1e-12, 1.0, 1e9}) {
+    const TimeProfile pulse{Form::pulse, {{2.3 * unit, 0}, {2.4 * unit, 0}}};
+    EXPECT_EQ(pulse.next_break(0), 2.3 * unit);
+    EXPECT_EQ(pulse.next_break(2.3 * unit), 2.4 * unit);
+    EXPECT_EQ(pulse.next_break(2.4 * unit), kInfinity);
+    EXPECT_DOUBLE_EQ(pulse.until_next_point(0), 2.3 * unit);
+    EXPECT_NEAR(pulse.until_next_point(2.3 * (1 - 1e-15) * unit), 0.1 * unit, 1e-12 * unit);
+  }
+  EXPECT_EQ(first_after({1, 2, 4}, 2), 4);
+}
+
 TEST(Memory, ReturnsWhatWasPut) {
   Memory memory;
   memory.put("q", {1, 2});

@@ -64,6 +64,15 @@ void check_distances(const Collider& collider, Checks& checks) {
     if (m.distance[i] > 0) outside = std::max(outside, std::abs(left[i]));
   checks.below("from outside, distance along the normal leads to the surface [m]", outside, 1e-9);
 
+  if (collider.is_convex()) {
+    double beyond = 0;  // how far a point's distance is below the tangent at the point before
+    for (Index i = 0; i + 1 < kPoints; ++i)
+      beyond =
+          std::max(beyond, m.distance[i] + m.normal.row(i).dot(points.row(i + 1) - points.row(i)) -
+                               m.distance[i + 1]);
+    checks.below("is convex, as it says: no distance is below a tangent [m]", beyond, 1e-12);
+  }
+
   NodeVectors gradient(kPoints, 3);
   for (int c = 0; c < 3; ++c) {
     NodeVectors ahead = points, behind = points;

@@ -48,6 +48,7 @@ void check_prescriptions(const Made<Constraint>& made, Checks& checks) {
     made.object->prescribe(time, r);
     return r;
   };
+  check_breaks(*made.object, checks);
   const std::array<double, 4> times{0, 0.37, 5, 0.37};
   std::array<NodeVectors, 4> at;
   for (std::size_t i = 0; i < times.size(); ++i) at[i] = prescribed_at(times[i]);

@@ -5,6 +5,7 @@
 #include "deform/error.h"
 
 #include "check/contracts.h"
+#include "plugin/plugin_call.h"
 #include "scene/json.h"
 
 namespace deform {
@@ -93,6 +94,9 @@ ContractReport check_contract(const ContractOptions& options) {
   const Subject subject(registry, plugin, parse_parameters(options.parameters));
 
   ContractReport report{plugin.origin(), {}};
+  // What checks call by themselves ends the process in the name of the plugin, too.
+  const std::string who = plugin.origin();
+  const PluginCall call(who, "being checked");
   Checks checks(report.lines);
   const Scene scene = scene_to_begin_with(subject);
   check_description(subject, checks);

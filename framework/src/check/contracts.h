@@ -26,4 +26,7 @@ void check_run(
     const Subject& subject, Checks& checks,
     const std::function<bool(const Terrain&)>& suits = [](const Terrain&) { return true; });
 
+/// Of what may depend on time: the times at which it is not smooth ascend.
+void check_breaks(const Plugin& part, Checks& checks);
+
 }  // namespace deform

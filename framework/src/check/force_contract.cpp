@@ -289,6 +289,7 @@ void check_force_contract(const Subject& subject, Checks& checks) {
     checks.runs("computes forces", [&] {
       const Made<ForceField> made = subject.make<ForceField>(terrain);
       const ForceTraits traits = made.object->traits();
+      check_breaks(*made.object, checks);
       for (const double time : {0.0, 0.37, 5.0}) {
         const Cloud c = cloud(made, time);
         check_evaluation(checks, evaluation(c), true, name_of_number);

@@ -1,4 +1,6 @@
 /// Short runs: the same bits on any number of threads, and when they go on in fresh objects.
+#include <cmath>
+
 #include "check/bitwise.h"
 #include "check/contracts.h"
 
@@ -31,7 +33,22 @@ std::vector<double> run_with_a_break(const Subject& subject, const Terrain& terr
   return numbers_of(second.state());
 }
 
+/// Of the times at which a part is not smooth, as many are looked at.
+constexpr int kMostBreaks = 100;
+
 }  // namespace
+
+void check_breaks(const Plugin& part, Checks& checks) {
+  bool ascends = true;
+  double time = -1;
+  for (int i = 0; i < kMostBreaks && ascends && std::isfinite(time); ++i) {
+    const double next = part.next_break(time);
+    ascends = next > time;
+    time = next;
+  }
+  checks.holds("the times at which it is not smooth ascend", ascends,
+               "asked for a later time, it named one that is not");
+}
 
 void check_run(const Subject& subject, Checks& checks,
                const std::function<bool(const Terrain&)>& suits) {

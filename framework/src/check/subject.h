@@ -72,8 +72,9 @@ Made<Interface> Subject::make(const Terrain& terrain) const {
   auto surface = maker.make<Surface>(described.surface, maker.setup());
   maker.throw_problems();
   if constexpr (std::is_same_v<Interface, Surface>) return {surface->object, surface->object};
+  const NodeValues areas = areas_of_mass(*surface->object, described.material);
   auto made = maker.make<Interface>(use_in(described),
-                                    maker.setup(*surface->object, surface->object->rest()));
+                                    maker.setup(*surface->object, surface->object->rest(), areas));
   maker.throw_problems();
   return {surface->object, made->object};
 }

@@ -5,14 +5,18 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "deform/error.h"
 #include "deform/log.h"
 #include "deform/parallel.h"
+#include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 
 #include "compare/comparison_files.h"
@@ -20,9 +24,9 @@
 #include "compare/figures.h"
 #include "compare/verdict.h"
 #include "simulation/files.h"
+#include "simulation/held_folder.h"
 #include "simulation/json_file.h"
 #include "simulation/run_directory.h"
-#include "simulation/run_parts.h"
 
 namespace deform {
 namespace {
@@ -31,39 +35,12 @@ namespace fs = std::filesystem;
 
 /// A folder that is to be resumed in must be a comparison's, or not be there.
 void check_resumable(const fs::path& folder) {
-  if (!fs::exists(folder)) return;
-  const Json manifest = read_json_object(folder / "manifest.json");
+  std::error_code error;
+  if (!fs::exists(folder, error) && !error) return;
+  const Json manifest = read_json_object(folder / kManifestFile);
   if (!manifest.is_object() || manifest.value("kind", Json()) != "comparison")
     throw InputError(
         fmt::format("cannot resume in '{}': it is not a comparison directory", folder.string()));
-}
-
-/// Folders of runs that a resumed comparison no longer has stay where they are; a report made by
-/// hand would not show them.
-void warn_of_others(const fs::path& folder, const ComparisonPlan& plan, const Json& earlier) {
-  if (!earlier.is_object()) return;
-  std::string names;
-  for (const Json& name : earlier.value("runs", Json::array())) {
-    if (!name.is_string()) continue;
-    const auto run = name.get<std::string>();
-    const bool is_planned = std::ranges::find(plan.runs, run, &PlannedRun::name) != plan.runs.end();
-    if (!is_planned && fs::exists(folder / run)) names += (names.empty() ? "" : ", ") + run;
-  }
-  if (!names.empty())
-    log::warn(fmt::format("{}: of an earlier comparison and no part of this one: {}",
-                          folder.string(), names));
-}
-
-/// What the runs' scenes say that may not be meant, each once; dropped parameters stand below the
-/// table.
-void warn_of_remarks(const ComparisonPlan& plan) {
-  std::set<std::string> said;
-  for (const PlannedRun& run : plan.runs) {
-    Scene scene = run.scene;
-    scene.dropped.clear();
-    for (const Problem& remark : remarks_on(scene))
-      if (said.insert(remark.message).second) log::warn(remark.message);
-  }
 }
 
 /// Number of the run that the others are measured against: the planned reference if it ended as
@@ -86,15 +63,54 @@ double surface_size(const std::vector<MeasuredRun>& measured, std::size_t refere
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+/// What there is to read of a run. One that ended for want of room on the disk may have left files
+/// that are none: it has no states then, and says so.
+RecordedRun read_outcome(const fs::path& folder, const RunOutcome& outcome) {
+  try {
+    return read_run(folder);
+  } catch (const InputError&) {
+    if (outcome.status == "done") throw;
+    RecordedRun run;
+    run.folder = folder;
+    return run;
+  }
+}
+
+/// Folders of runs that none of the planned runs has: another comparison's, which is not read.
+std::vector<std::string> left_over(const fs::path& folder, const ComparisonPlan& plan) {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    std::string name = entry.path().filename().string();
+    const bool is_planned =
+        std::ranges::find(plan.runs, name, &PlannedRun::name) != plan.runs.end();
+    if (!is_planned && entry.is_directory() && has_manifest(entry.path()))
+      names.push_back(std::move(name));
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+void say_what_is_left_over(const fs::path& folder, const ComparisonPlan& plan) {
+  const std::vector<std::string> names = left_over(folder, plan);
+  if (names.empty()) return;
+  log::warn(
+      fmt::format("'{}' also holds runs that are not of this comparison, and no part of it: {}",
+                  folder.string(), fmt::join(names, ", ")));
+}
+
 std::vector<MeasuredRun> measure(const ComparisonPlan& plan, std::size_t reference,
-                                 const fs::path& folder) {
+                                 const RunnerOptions& options,
+                                 const std::vector<RunOutcome>& outcomes) {
+  const fs::path& folder = options.folder;
   std::vector<MeasuredRun> measured(plan.runs.size());
   parallel_blocks(static_cast<Index>(measured.size()), 1, [&](Index number, Index /*one*/) {
     const auto i = static_cast<std::size_t>(number);
-    measured[i].recorded = read_run(folder / plan.runs[i].name);
+    if (options.interrupted != nullptr && options.interrupted->load())
+      throw Error(ExitCode::interrupted, "interrupted; --resume goes on from there");
+    measured[i].recorded = read_outcome(folder / plan.runs[i].name, outcomes[i]);
     if (i == reference) return;
     // Each has the reference to itself: a trajectory is read by one thread at a time.
-    const RecordedRun other = read_run(folder / plan.runs[reference].name);
+    const RecordedRun other = read_outcome(folder / plan.runs[reference].name, outcomes[reference]);
     measured[i].differences = differences(measured[i].recorded, other);
   });
   return measured;
@@ -131,6 +147,18 @@ Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan
   return comparison;
 }
 
+/// What several variants share is said once.
+void warn_of_remarks(const ComparisonPlan& plan) {
+  std::set<std::string> said;
+  for (const PlannedRun& run : plan.runs)
+    for (const Problem& remark : remarks(run.scene)) {
+      const std::string front = run.scene.located({remark.pointer, ""}).message;
+      const bool has_place = remark.message.starts_with(front);
+      const std::string bare = remark.message.substr(has_place ? front.size() : 0);
+      if (said.insert(bare).second) log::warn(remark.message);
+    }
+}
+
 }  // namespace
 
 double RunComparison::figure(const std::string& wanted) const {
@@ -153,35 +181,84 @@ std::vector<Figure> probe_columns(const Comparison& comparison) {
   return columns;
 }
 
+namespace {
+
+/// No run of a comparison that replaces another one took a step.
+Error refusal_to_replace(const ComparisonPlan& plan, const RunOutcome& first) {
+  const ExitCode code = first.status == status_of(ExitCode::diverged) ? ExitCode::diverged
+                        : first.status == status_of(ExitCode::plugin_failed)
+                            ? ExitCode::plugin_failed
+                            : ExitCode::internal_error;
+  return {code, fmt::format("no run took a step ({}: {} {}); the comparison that was there stays",
+                            plan.runs.front().name, first.status, first.reason)};
+}
+
+/// Runs what is planned. Until the first step of any run an older comparison is there, and comes
+/// back where that is never taken.
+std::vector<RunOutcome> execute(const ComparisonOptions& options, const ComparisonPlan& plan,
+                                const PluginRegistry& registry, HeldFolder& held) {
+  RunnerOptions runner = options.runner;
+  runner.first_step = [&held] { held.drop_old(); };
+  std::vector<RunOutcome> outcomes;
+  try {
+    outcomes = execute_runs(plan.runs, registry, runner);
+  } catch (...) {
+    (void)held.give_old_back();
+    throw;
+  }
+  if (held.give_old_back()) throw refusal_to_replace(plan, outcomes.front());
+  return outcomes;
+}
+
+/// What comes before the first run; an older comparison is there until then.
+void begin(const ComparisonOptions& options, const ComparisonPlan& plan, HeldFolder& held) {
+  const fs::path& folder = options.runner.folder;
+  try {
+    if (options.runner.resume)
+      held.take();
+    else
+      held.begin_anew();
+    // First: from here on the folder is known as a comparison's.
+    write_atomically(folder / kManifestFile, manifest_json(options, plan, "running"));
+  } catch (...) {
+    (void)held.give_old_back();
+    throw;
+  }
+  say_what_is_left_over(folder, plan);
+}
+
+}  // namespace
+
 Comparison compare(const ComparisonOptions& options,
                    const std::shared_ptr<const PluginRegistry>& registry) {
   const fs::path& folder = options.runner.folder;
-  if (options.runner.resume) {
-    check_resumable(folder);
-  } else {
-    check_run_directory(folder, options.force);
-  }
-  const ComparisonPlan plan = plan_comparison(options.request, registry);
+  HeldFolder held(folder, options.runner.resume ? FolderUse::resumed
+                          : options.force       ? FolderUse::replaced
+                                                : FolderUse::made);
+  if (options.runner.resume) check_resumable(folder);
+  const ComparisonPlan plan =
+      plan_comparison(options.request, registry, options.runner.interrupted);
   std::vector<std::string> claims;
   if (!options.expectation.empty()) claims = read_claims(options.expectation, plan);
 
-  const Json earlier = read_json_object(folder / "manifest.json");
-  if (!options.runner.resume || !fs::exists(folder)) make_run_directory(folder);
-  // First: from here on the folder is known as a comparison's.
-  write_atomically(folder / "manifest.json", manifest_json(options, plan, "running"));
-  if (options.runner.resume) warn_of_others(folder, plan, earlier);
+  begin(options, plan, held);
   warn_of_remarks(plan);
-  std::vector<RunOutcome> outcomes = execute_runs(plan.runs, *registry, options.runner);
+  for (const PlannedRun& run : plan.runs)
+    for (const std::string& pointer : run.scene.dropped)
+      log::info(fmt::format("{}: {} is dropped: the plugin put in has no such parameter", run.name,
+                            pointer));
+
+  std::vector<RunOutcome> outcomes = execute(options, plan, *registry, held);
   const std::size_t reference = number_of_reference(plan, outcomes);
-  const std::vector<MeasuredRun> measured = measure(plan, reference, folder);
+  const std::vector<MeasuredRun> measured = measure(plan, reference, options.runner, outcomes);
   Comparison comparison = conclude(options, plan, reference, std::move(outcomes), measured);
   comparison.sentences = sentences_of(comparison);
   comparison.claims = check_claims(claims, comparison);
 
   write_atomically(folder / "comparison.csv", comparison_csv(comparison, measured));
   write_atomically(folder / "cost.csv", cost_csv(comparison, measured));
-  write_atomically(folder / "summary.json", summary_json(comparison, plan));
-  write_atomically(folder / "manifest.json", manifest_json(options, plan, "done"));
+  write_atomically(folder / "summary.json", summary_json(comparison, plan, folder));
+  write_atomically(folder / kManifestFile, manifest_json(options, plan, "done"));
   return comparison;
 }
 

@@ -13,6 +13,7 @@
 #include "scene/json.h"
 #include "simulation/manifest.h"
 #include "simulation/probe_table.h"
+#include "simulation/scene_files.h"
 
 namespace deform {
 namespace {
@@ -130,7 +131,8 @@ std::string cost_csv(const Comparison& comparison, const std::vector<MeasuredRun
   return csv;
 }
 
-std::string summary_json(const Comparison& comparison, const ComparisonPlan& plan) {
+std::string summary_json(const Comparison& comparison, const ComparisonPlan& plan,
+                         const std::filesystem::path& folder) {
   Json json = {{"kind", "comparison"},
                {"title", plan.runs.front().scene.title},
                {"reference", comparison.reference},
@@ -155,7 +157,7 @@ std::string summary_json(const Comparison& comparison, const ComparisonPlan& pla
                                 {"parts", json_of(run.parting)},
                                 {"figures", figures_json(run.figures)}});
   }
-  json["scene"] = Json::parse(plan.base);
+  json["scene"] = Json::parse(scene_text(plan.base, plan.base_files, folder));
   return dump(json);
 }
 
@@ -163,6 +165,7 @@ std::string manifest_json(const ComparisonOptions& options, const ComparisonPlan
                           const std::string& status) {
   Json json = {{"program", "deform"},
                {"version", version()},
+               {"commit", options.commit.empty() ? Json() : Json(options.commit)},
                {"kind", "comparison"},
                {"status", status},
                {"title", plan.runs.front().scene.title},

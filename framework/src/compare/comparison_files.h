@@ -1,6 +1,7 @@
 /// The files of a comparison directory beside its runs'.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,9 @@ struct MeasuredRun {
 /// cost.csv: a row a run; milliseconds a step by part, memory.
 [[nodiscard]] std::string cost_csv(const Comparison& comparison,
                                    const std::vector<MeasuredRun>& measured);
-/// summary.json: all figures, and what report.html is made of.
-[[nodiscard]] std::string summary_json(const Comparison& comparison, const ComparisonPlan& plan);
+/// summary.json of a folder: all figures, and what report.html is made of.
+[[nodiscard]] std::string summary_json(const Comparison& comparison, const ComparisonPlan& plan,
+                                       const std::filesystem::path& folder);
 /// manifest.json, which also makes the folder known as one of deform's.
 [[nodiscard]] std::string manifest_json(const ComparisonOptions& options,
                                         const ComparisonPlan& plan, const std::string& status);

@@ -8,7 +8,9 @@
 
 #include "deform/error.h"
 
+#include "compare/forked.h"
 #include "compare/run_names.h"
+#include "scene/json.h"
 #include "scene/json_pointer.h"
 #include "scene/nearest_name.h"
 #include "scene/scene_problems.h"
@@ -48,8 +50,9 @@ std::vector<Cell> grid_of(const std::vector<Variation>& variations) {
 /// Reads what a comparison needs of one scene, and gathers what is wrong with it.
 class Planner {
  public:
-  Planner(const ComparisonRequest& request, std::shared_ptr<const PluginRegistry> registry)
-      : request_(request), registry_(std::move(registry)) {}
+  Planner(const ComparisonRequest& request, std::shared_ptr<const PluginRegistry> registry,
+          const std::atomic<bool>* interrupted)
+      : request_(request), registry_(std::move(registry)), interrupted_(interrupted) {}
 
   ComparisonPlan plan() {
     const Scene written = read_scene(request_.scene, *registry_);
@@ -63,6 +66,7 @@ class Planner {
     const Scene base = read_scene(request_.scene, *registry_, request_.replacements);
     ComparisonPlan plan;
     plan.base = base.completed;
+    plan.base_files = base.files;
     plan.reference = choose_reference(base);
     plan.runs = std::move(runs_);
     make_parts(plan);
@@ -210,25 +214,35 @@ class Planner {
     return kRefined;
   }
 
+  /// Plugins are made in a child: one that ends the process ends its own run alone.
   std::vector<std::pair<std::string, std::string>> refinement_of(const Scene& scene) {
-    PartMaker maker(scene, registry_);
-    const auto surface = maker.make<Surface>(scene.surface, maker.setup());
-    maker.throw_problems();
-    auto changes = surface->object->refinement();
-    if (changes.empty())
-      throw InputError(fmt::format(
-          "--reference refined: {} does not say which of its parameters make its nodes twice as "
-          "close (Surface::refinement): name a variant with such a surface, --reference NAME",
-          surface->origin));
-    return changes;
+    const std::string changes = in_child(
+        [&] {
+          PartMaker maker(scene, registry_);
+          const auto surface = maker.make<Surface>(scene.surface, maker.setup());
+          maker.throw_problems();
+          const auto refinement = surface->object->refinement();
+          if (refinement.empty())
+            throw InputError(fmt::format(
+                "--reference refined: {} does not say which of its parameters make its nodes twice "
+                "as close (Surface::refinement): name a variant with such a surface, --reference "
+                "NAME",
+                surface->origin));
+          return Json(refinement).dump();
+        },
+        interrupted_);
+    return Json::parse(changes).get<std::vector<std::pair<std::string, std::string>>>();
   }
 
   void make_parts(ComparisonPlan& plan) {
     std::vector<Problem> problems;
     for (PlannedRun& run : plan.runs) {
       try {
-        run.columns = columns_of(run.scene);
+        const std::string columns =
+            in_child([&] { return Json(columns_of(run.scene)).dump(); }, interrupted_);
+        run.columns = Json::parse(columns).get<std::vector<std::string>>();
       } catch (const Error& e) {
+        if (e.code() == ExitCode::interrupted) throw;
         run.refused = e.what();
         run.plugin_failed = e.code() == ExitCode::plugin_failed;
         if (const auto* bad = dynamic_cast<const InputError*>(&e)) {
@@ -262,6 +276,7 @@ class Planner {
 
   const ComparisonRequest& request_;
   std::shared_ptr<const PluginRegistry> registry_;
+  const std::atomic<bool>* interrupted_;
   std::vector<PlannedRun> runs_;
   std::vector<Problem> problems_;
   std::set<std::string> said_;  // what runs share is said once
@@ -293,8 +308,9 @@ std::vector<std::string> split_values(const std::string& text) {
 }
 
 ComparisonPlan plan_comparison(const ComparisonRequest& request,
-                               const std::shared_ptr<const PluginRegistry>& registry) {
-  return Planner(request, registry).plan();
+                               const std::shared_ptr<const PluginRegistry>& registry,
+                               const std::atomic<bool>* interrupted) {
+  return Planner(request, registry, interrupted).plan();
 }
 
 }  // namespace deform

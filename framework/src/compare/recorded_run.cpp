@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,7 +22,8 @@ namespace fs = std::filesystem;
 
 Json read_json(const fs::path& file) {
   Json json = read_json_object(file);
-  if (json.is_null() && fs::exists(file))
+  std::error_code error;
+  if (json.is_null() && fs::exists(file, error))
     throw InputError(fmt::format("{} is not what a run writes", file.string()));
   return json;
 }
@@ -43,13 +45,23 @@ double figure_of(std::string_view text) {
   return figure;
 }
 
+long step_of(double figure, const fs::path& file) {
+  if (!(figure >= 0 && figure < 0x1p53))
+    throw InputError(fmt::format("{} has a row without a number of steps", file.string()));
+  return static_cast<long>(figure);
+}
+
 /// The columns' names are those of summary.json: the rows hold numbers only.
 FigureTable read_probes(const fs::path& file, const Json& summary) {
   FigureTable table;
   if (!summary.is_object() || !summary.contains("probes")) return table;
+  if (!summary["probes"].is_object()) throw InputError("/probes of summary.json is no object");
   for (const auto& [name, figure] : summary["probes"].items()) {
+    const auto unit = figure.find("unit");
+    if (!figure.is_object() || unit == figure.end() || !unit->is_string())
+      throw InputError(fmt::format("/probes/{} of summary.json has no unit", name));
     table.names.push_back(name);
-    table.units.push_back(figure.value("unit", ""));
+    table.units.push_back(unit->get<std::string>());
   }
   const auto text = read_file(file);
   if (!text) return table;
@@ -62,7 +74,7 @@ FigureTable read_probes(const fs::path& file, const Json& summary) {
     std::vector<double> row(table.names.size(), std::numeric_limits<double>::quiet_NaN());
     for_fields(rest.substr(0, end), [&](std::size_t number, std::string_view field) {
       const double figure = figure_of(field);
-      if (number == 0) moment.step = static_cast<long>(figure);
+      if (number == 0) moment.step = step_of(figure, file);
       if (number == 1) moment.time = figure;
       if (number >= 2 && number - 2 < row.size()) row[number - 2] = figure;
     });
@@ -87,15 +99,22 @@ RecordedRun read_run(const fs::path& folder) {
   run.folder = folder;
   run.summary = read_json(folder / "summary.json");
   run.manifest = read_json(folder / "manifest.json");
-  run.probes = read_probes(folder / "probes.csv", run.summary);
-  if (fs::exists(folder / kTrajectoryFile)) run.trajectory.emplace(folder / kTrajectoryFile);
+  try {
+    run.probes = read_probes(folder / "probes.csv", run.summary);
+  } catch (const InputError& e) {
+    throw InputError(
+        fmt::format("the probes of {} are not what a run writes: {}", folder.string(), e.what()));
+  }
+  std::error_code error;
+  if (fs::exists(folder / kTrajectoryFile, error)) run.trajectory.emplace(folder / kTrajectoryFile);
   return run;
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> same_times(const std::vector<Moment>& a,
                                                             const std::vector<Moment>& b) {
   const double finest = std::min(spacing(a), spacing(b));
-  const double slack = std::isfinite(finest) ? 1e-6 * finest : 1e-9;
+  const double latest = std::max(a.empty() ? 0 : a.back().time, b.empty() ? 0 : b.back().time);
+  const double slack = std::isfinite(finest) ? 1e-6 * finest : 1e-9 * latest;
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
     const double apart = a[i].time - b[j].time;

@@ -31,7 +31,8 @@ struct RecordedRun {
 [[nodiscard]] RecordedRun read_run(const std::filesystem::path& folder);
 
 /// Pairs of numbers (i, j) of moments at the same time, ascending. Times that differ by less than
-/// 1e-6 of the spacing are the same: steps of different size reach them with other roundings.
+/// 1e-6 of the spacing (1e-9 of the time, where there is no second one) are the same: steps of
+/// different size reach them with other roundings.
 [[nodiscard]] std::vector<std::pair<std::size_t, std::size_t>> same_times(
     const std::vector<Moment>& a, const std::vector<Moment>& b);
 

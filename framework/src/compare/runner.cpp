@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
-#include <fstream>
 #include <mutex>
 #include <numeric>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -18,37 +16,30 @@
 #include "compare/child_process.h"
 #include "scene/json.h"
 #include "simulation/files.h"
+#include "simulation/folder_lock.h"
 #include "simulation/json_file.h"
 #include "simulation/manifest.h"
-#include "simulation/plugins_used.h"
+#include "simulation/resumption.h"
 #include "simulation/run_directory.h"
-#include "simulation/sha256.h"
+#include "simulation/scene_files.h"
 
 namespace deform {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Hashes of the plugin files that a run would use, and did use.
-std::set<std::string> hashes_now(const Scene& scene, const PluginRegistry& registry) {
-  std::set<std::string> hashes;
-  for (const LoadedPlugin* plugin : plugins_used(scene, registry))
-    hashes.insert(sha256_of_file(plugin->file().path));
-  return hashes;
+std::string text_of(const Json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-std::set<std::string> hashes_then(const Json& manifest) {
-  std::set<std::string> hashes;
-  for (const Json& plugin : manifest.value("plugins", Json::array()))
-    hashes.insert(plugin.value("sha256", ""));
-  return hashes;
-}
-
-/// False for a trajectory that is there and cannot be read.
-bool is_whole(const fs::path& trajectory) {
+/// Whether an ended run's files are those that it wrote, and its states can be read.
+bool is_whole(const fs::path& folder, const Json& manifest) {
   try {
+    const fs::path trajectory = folder / kTrajectoryFile;
+    if (!damaged_result(folder, manifest).empty()) return false;
     return !fs::exists(trajectory) || Trajectory(trajectory).frames() > 0;
-  } catch (const InputError&) {
+  } catch (const Error&) {
     return false;
   }
 }
@@ -56,32 +47,55 @@ bool is_whole(const fs::path& trajectory) {
 /// What a run directory has of a planned run.
 enum class Found : std::uint8_t { nothing, begun, complete };
 
+/// Whether the run's own process would go on from what is there rather than refuse it.
+bool can_go_on(const PlannedRun& run, const fs::path& folder, const PluginRegistry& registry) {
+  try {
+    (void)look_for_run(folder, run.scene, Manifest(run.scene, registry, {}));
+    return true;
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 Found look_for(const PlannedRun& run, const fs::path& folder, const PluginRegistry& registry) {
-  const Json manifest = read_json_object(folder / "manifest.json");
+  if (fs::is_symlink(folder)) return Found::nothing;  // it would be written to elsewhere
+  const Json manifest = read_json_object(folder / kManifestFile);
   const auto scene = read_file(folder / "scene.json");
-  if (!manifest.is_object() || scene != run.scene.completed) return Found::nothing;
-  if (hashes_then(manifest) != hashes_now(run.scene, registry)) return Found::nothing;
-  const auto status = manifest.value("status", "");
+  if (!manifest.is_object() || scene != scene_text(run.scene, folder)) return Found::nothing;
+  if (!Manifest(run.scene, registry, {}).difference(manifest).empty()) return Found::nothing;
+  const std::string status = text_of(manifest, "status");
   // A divergence is a result, which comes again; a plugin may have failed for another reason.
   const bool complete = status == "done" || status == "diverged";
-  if (!complete || !fs::exists(folder / "summary.json")) return Found::begun;
-  return is_whole(folder / kTrajectoryFile) ? Found::complete : Found::nothing;
+  const bool is_summed_up = read_json_object(folder / "summary.json").is_object();
+  if (complete && is_summed_up)
+    return is_whole(folder, manifest) ? Found::complete : Found::nothing;
+  return can_go_on(run, folder, registry) ? Found::begun : Found::nothing;
+}
+
+/// Of a run whose process came to no end of its own: a plugin may have ended it.
+const char* status_without_summary(int code) {
+  if (code == static_cast<int>(ExitCode::bad_input)) return "refused";
+  if (code == static_cast<int>(ExitCode::plugin_failed)) return status_of(ExitCode::plugin_failed);
+  return "failed";
 }
 
 RunOutcome outcome_of(const fs::path& folder, const ChildExit& exit) {
   RunOutcome outcome;
   const Json summary = read_json_object(folder / "summary.json");
+  outcome.is_failure = exit.code == static_cast<int>(ExitCode::internal_error);
   if (exit.signal != 0) {
     outcome.status = "crashed";
     outcome.reason = fmt::format("the program was killed by signal {} ({})", exit.signal,
                                  ::strsignal(exit.signal));
     if (!exit.said.empty()) outcome.reason += ": " + exit.said.substr(0, exit.said.find('\n'));
-  } else if (summary.is_object() && summary.contains("status")) {
-    outcome.status = summary["status"].get<std::string>();
-    outcome.reason = summary.value("reason", "");
+  } else if (summary.is_object() && !text_of(summary, "status").empty()) {
+    outcome.status = text_of(summary, "status");
+    outcome.reason = text_of(summary, "reason");
   } else {
-    outcome.status = exit.code == static_cast<int>(ExitCode::bad_input) ? "refused" : "failed";
+    outcome.status = status_without_summary(exit.code);
     outcome.reason = exit.said.substr(0, exit.said.find_last_not_of('\n') + 1);
+    if (outcome.reason.empty())
+      outcome.reason = fmt::format("the program ended with code {} before the run did", exit.code);
   }
   return outcome;
 }
@@ -139,10 +153,11 @@ class Runner {
       return outcome;
     }
     if (found == Found::nothing) {
+      require_unheld(folder);
       fs::remove_all(folder);
       make_run_directory(folder);
-      write_atomically(folder / "manifest.json", planned_manifest());
-      write_atomically(folder / "scene.json", planned.scene.completed);
+      write_atomically(folder / kManifestFile, planned_manifest());
+      write_atomically(folder / "scene.json", scene_text(planned.scene, folder));
     } else {
       fs::remove(folder / "summary.json");  // not that of a run that ends without one
     }
@@ -166,6 +181,7 @@ class Runner {
     if (line.starts_with("deform: warning: ")) return true;
     constexpr std::string_view kProgress = "progress ";
     if (!line.starts_with(kProgress)) return false;
+    if (options_.first_step) std::call_once(stepped_, options_.first_step);
     report(i, std::strtol(line.c_str() + kProgress.size(), nullptr, 10));
     return true;
   }
@@ -184,6 +200,7 @@ class Runner {
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> failed_ = false;
   std::exception_ptr failure_;
+  std::once_flag stepped_;
   std::mutex mutex_;
   std::vector<long> steps_done_;
   long total_steps_ = 0;

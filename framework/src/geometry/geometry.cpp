@@ -89,6 +89,7 @@ void Geometry::compute(const SampleSet& samples, const NodeVectors& r, Detail de
 void Geometry::begin(Detail detail) {
   if (detail < detail_) leave_out(detail);
   detail_ = detail;
+  has_mean_strains_ = false;
 }
 
 void Geometry::compute(const SampleSet& samples, const NodeVectors& r, Index first, Index size) {
@@ -118,6 +119,31 @@ void Geometry::leave_out(Detail beyond) {
     if (fields.detail > beyond)
       std::fill_n(data_.begin() + fields.begin * stride_, (fields.end - fields.begin) * stride_,
                   std::numeric_limits<double>::quiet_NaN());
+}
+
+void Geometry::make_mean(const Geometry& middle, const Geometry& from, const Geometry& to) {
+  size_ = middle.size_, stride_ = middle.stride_, detail_ = middle.detail_;
+  data_.resize(middle.data_.size());
+  has_mean_strains_ = true;
+  parallel_blocks(size_, kBlock, [&](Index first, Index size) {
+    for (int field = 0; field < GeometryBlock::kFields; ++field)
+      std::copy_n(middle.data_.data() + field * stride_ + first, size,
+                  data_.data() + field * stride_ + first);
+    const MeanOf ends{from.data_.data(), to.data_.data()};
+    if (detail_ == Detail::none) return;
+    write_mean_metric(ends, data_.data(), stride_, first, size);
+    if (detail_ >= Detail::first) write_mean_normals(ends, data_.data(), stride_, first, size);
+    if (detail_ == Detail::second) write_mean_curvature(ends, data_.data(), stride_, first, size);
+  });
+}
+
+void Geometry::average_forms(const Geometry& other) {
+  has_mean_strains_ = true;
+  for (int field = GeometryBlock::kMetric; field < GeometryBlock::kReciprocal; ++field)
+    for (Index i = field * stride_; i < field * stride_ + size_; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      data_[at] = 0.5 * (data_[at] + other.data_[at]);
+    }
 }
 
 void Geometry::blend(double s, const Geometry& other) {

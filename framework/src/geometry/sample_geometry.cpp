@@ -92,6 +92,33 @@ DEFORM_KERNEL void curvature(Index size, const double* jet, const double* normal
   }
 }
 
+/// Γ^1_ij and Γ^2_ij by r_ij = Γ^k_ij r_k + b_ij n with a normal n that is not quite normal to r_1
+/// and r_2, where these are independent and n points to their side; else they stay.
+DEFORM_KERNEL void christoffel_beside(Index size, const double* jet, const double* normal,
+                                      const double* second, const double* R, Index stride,
+                                      double* gamma_1, double* gamma_2) {
+  const Triple r_1(jet, stride), r_2(jet + 3 * stride, stride), n(normal, stride),
+      r_ij(second, stride), reciprocal(R, stride);
+#pragma GCC ivdep
+  for (Index s = 0; s < size; ++s) {
+    const double x = r_1.y[s] * r_2.z[s] - r_1.z[s] * r_2.y[s],
+                 y = r_1.z[s] * r_2.x[s] - r_1.x[s] * r_2.z[s],
+                 z = r_1.x[s] * r_2.y[s] - r_1.y[s] * r_2.x[s];
+    const double along = x * n.x[s] + y * n.y[s] + z * n.z[s];
+    const bool is_regular = along > 0;
+    const double b = (x * r_ij.x[s] + y * r_ij.y[s] + z * r_ij.z[s]) / (is_regular ? along : 1.0);
+    const double along_1 = product(r_ij, r_1, s) - b * product(n, r_1, s),
+                 along_2 = product(r_ij, r_2, s) - b * product(n, r_2, s);
+    gamma_1[s] = is_regular ? reciprocal.x[s] * along_1 + reciprocal.y[s] * along_2 : gamma_1[s];
+    gamma_2[s] = is_regular ? reciprocal.y[s] * along_1 + reciprocal.z[s] * along_2 : gamma_2[s];
+  }
+}
+
+DEFORM_KERNEL void mean(Index size, const double* __restrict a, const double* __restrict b,
+                        double* __restrict out) {
+  for (Index s = 0; s < size; ++s) out[s] = 0.5 * (a[s] + b[s]);
+}
+
 /// d_ij (8).
 DEFORM_KERNEL void weingarten(Index size, const double* __restrict G, const double* __restrict B,
                               Index stride, double* __restrict d) {
@@ -138,6 +165,36 @@ void write_curvature(double* data, Index stride, Index first, Index size) {
     curvature(size, at(0), at(Field::kNormal), at(6 + 3 * ij), at(Field::kReciprocal), stride,
               at(Field::kCurvature + ij), at(Field::kChristoffel + ij),
               at(Field::kChristoffel + 3 + ij));
+  weingarten(size, at(Field::kMetric), at(Field::kCurvature), stride, at(Field::kWeingarten));
+}
+
+namespace {
+
+/// Three fields of numbers.
+void write_means(const MeanOf& ends, int field, double* data, Index stride, Index first,
+                 Index size) {
+  for (int c = field; c < field + 3; ++c) {
+    const Index at = c * stride + first;
+    mean(size, ends.from + at, ends.to + at, data + at);
+  }
+}
+
+}  // namespace
+
+void write_mean_normals(const MeanOf& ends, double* data, Index stride, Index first, Index size) {
+  write_means(ends, Field::kNormal, data, stride, first, size);
+}
+
+void write_mean_metric(const MeanOf& ends, double* data, Index stride, Index first, Index size) {
+  write_means(ends, Field::kMetric, data, stride, first, size);
+}
+
+void write_mean_curvature(const MeanOf& ends, double* data, Index stride, Index first, Index size) {
+  write_means(ends, Field::kCurvature, data, stride, first, size);
+  const Fields at{data + first, stride};
+  for (int ij = 0; ij < 3; ++ij)
+    christoffel_beside(size, at(0), at(Field::kNormal), at(6 + 3 * ij), at(Field::kReciprocal),
+                       stride, at(Field::kChristoffel + ij), at(Field::kChristoffel + 3 + ij));
   weingarten(size, at(Field::kMetric), at(Field::kCurvature), stride, at(Field::kWeingarten));
 }
 

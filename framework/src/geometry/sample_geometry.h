@@ -23,6 +23,16 @@ void write_normals(double* data, Index stride, Index first, Index size);
 void write_metric(double* data, Index stride, Index first, Index size);
 void write_metric_and_reciprocal(double* data, Index stride, Index first, Index size);
 void write_curvature(double* data, Index stride, Index first, Index size);
+
+/// Storage of the geometries of two states, whose mean is taken.
+struct MeanOf {
+  const double *from, *to;
+};
+/// Geometry::make_mean, over what is there of the state in the middle, in this order: G; n, where
+/// it is known; B, Γ and d, where second derivatives are.
+void write_mean_metric(const MeanOf& ends, double* data, Index stride, Index first, Index size);
+void write_mean_normals(const MeanOf& ends, double* data, Index stride, Index first, Index size);
+void write_mean_curvature(const MeanOf& ends, double* data, Index stride, Index first, Index size);
 void write_sample(double* data, Index stride, Index s, const SampleGeometry& g);
 
 }  // namespace deform

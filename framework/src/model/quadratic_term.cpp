@@ -29,14 +29,16 @@ void find_change(const SampleBlock& block, Form which, BlockTensor& x) {
              x[static_cast<std::size_t>(slot(a))].data());
 }
 
-/// G − G⁰ as it was foreseen at the lagged state: δG_ij = r_i·δr_j + r_j·δr_i without δr_i·δr_j.
+/// G − G⁰ as it was foreseen at the lagged state: δG_ij = r_i·δr_j + r_j·δr_i without δr_i·δr_j;
+/// over a step, whose end moves by 2 δr, without 2 δr_i·δr_j.
 void find_foreseen_change(const SampleBlock& block, BlockTensor& x) {
   find_change(block, Form::metric, x);
+  const double part = block.now.has_mean_strains() ? 2 : 1;
   for (Index s = 0; s < block.size(); ++s) {
     const Vec3 d_1 = block.now.r(Derivative::d1)[s] - block.lagged.r(Derivative::d1)[s];
     const Vec3 d_2 = block.now.r(Derivative::d2)[s] - block.lagged.r(Derivative::d2)[s];
     const auto i = static_cast<std::size_t>(s);
-    x[0][i] -= d_1.dot(d_1), x[1][i] -= d_1.dot(d_2), x[2][i] -= d_2.dot(d_2);
+    x[0][i] -= part * d_1.dot(d_1), x[1][i] -= part * d_1.dot(d_2), x[2][i] -= part * d_2.dot(d_2);
   }
 }
 
@@ -165,12 +167,16 @@ std::vector<Coupling> QuadraticTerm::couplings() const {
 void QuadraticTerm::stress(const SampleBlock& block, const Stress& sigma) const {
   FormStiffness C(block.size());
   stiffness(block.rest, C);
-  if (form_ == Form::curvature)
+  // L_ij r is B_ij n of one state, not of a mean of two.
+  if (form_ == Form::curvature && !block.now.has_mean_strains())
     return deform::add_curvature_stress(block.now, block.origin, C, sigma);
   BlockTensor x, S;
-  find_change(block, Form::metric, x);
+  find_change(block, form_, x);
   multiply(C, x, block.size(), S);
-  deform::add_metric_stress(block.now, S, sigma);
+  if (form_ == Form::curvature)
+    add_normal_stress(block.now, S, sigma);
+  else
+    deform::add_metric_stress(block.now, S, sigma);
 }
 
 void QuadraticTerm::affine_stress(const SampleBlock& block, const AffineStress& sigma) const {

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "plugin/process_end.h"
+
 namespace deform {
 namespace {
 
@@ -47,6 +49,7 @@ void BackgroundQueue::throw_failure() {
 }
 
 void BackgroundQueue::work() {
+  prepare_thread_for_crashes();
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [&] { return ends_ || !jobs_.empty(); });

@@ -32,6 +32,14 @@ std::vector<std::string> names_in(const std::vector<std::string>& variables,
   return names;
 }
 
+/// Whether a formula calls something else so: what names_in would list, without making the list.
+bool is_taken(const std::string& name, const std::vector<std::string>& variables,
+              const mu::Parser& parser) {
+  const bool is_constant = !name.starts_with('_') && parser.GetConst().contains(name);
+  return is_constant || std::ranges::find(variables, name) != variables.end() ||
+         parser.GetFunDef().contains(name);
+}
+
 /// muParser's own sentences end in a full stop, sometimes; ours do not.
 std::string sentence(std::string text) {
   while (!text.empty() && text.back() == '.') text.pop_back();
@@ -80,8 +88,7 @@ struct Expression::Parsed {
     for (std::size_t i = 0; i < values.size(); ++i) parser.DefineVar(variables[i], &values[i]);
     parser.DefineConst("pi", std::numbers::pi);
     for (const auto& [name, value] : constants) {
-      const auto known = names_in(variables, parser);
-      if (std::ranges::find(known, name) != known.end())
+      if (is_taken(name, variables, parser))
         reject_constant(fmt::format("the constant \"{}\" has the name of something else", name),
                         name);
       try {

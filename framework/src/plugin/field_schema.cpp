@@ -136,7 +136,7 @@ class FieldSchema {
 Json field_schema(const ParameterField& field, const PluginSchema& plugin_schema) {
   Json schema = std::visit(FieldSchema(field, plugin_schema), field.default_value);
   schema["description"] = field.doc + (field.unit.empty() ? "" : " [" + field.unit + "]");
-  Json value = field.required ? Json() : to_json(field.default_value);
+  Json value = field.required || field.optional ? Json() : to_json(field.default_value);
   if (!value.is_null()) schema["default"] = std::move(value);
   return schema;
 }

@@ -8,16 +8,19 @@
 #include "deform/error.h"
 
 #include "plugin/boundary.h"
+#include "plugin/plugin_call.h"
+#include "solve/no_solver.h"
 #include "solve/not_finite.h"
 
 namespace deform {
 
-/// Calls f() for the plugin `origin`, who is `doing` something. Divergences pass, and errors that
-/// name what failed: a plugin that this one called, a file that cannot be written. Anything else
-/// becomes a PluginFailure. What is thrown is of the framework's own classes: it may outlive the
-/// plugin's library.
+/// Calls f() for the plugin `origin`, who is `doing` something. Divergences pass, what ends an
+/// interrupted step, and errors that name what failed: a plugin that this one called, a file that
+/// cannot be written, a solver that cannot take a matrix. Anything else becomes a PluginFailure.
+/// What is thrown is of the framework's own classes: it may outlive the plugin's library.
 template <class F>
 decltype(auto) guarded(const std::string& origin, const char* doing, F&& f) {
+  const PluginCall call(origin, doing);
   try {
     return std::forward<F>(f)();
   } catch (const Diverged& diverged) {
@@ -26,8 +29,11 @@ decltype(auto) guarded(const std::string& origin, const char* doing, F&& f) {
     throw NotFinite(not_finite);
   } catch (const StepTooLong& too_long) {
     throw StepTooLong(too_long);
+  } catch (const NoSolver& no_solver) {
+    throw NoSolver(no_solver);
   } catch (const Error& error) {
-    if (error.code() == ExitCode::diverged || error.code() == ExitCode::internal_error)
+    if (error.code() == ExitCode::diverged || error.code() == ExitCode::internal_error ||
+        error.code() == ExitCode::interrupted)
       throw Error(error);
     if (names_a_plugin(error)) throw PluginFailure(error.what());
     throw PluginFailure(failure_text(origin, doing, error.what()));

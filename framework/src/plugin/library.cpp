@@ -26,6 +26,7 @@
 #include "plugin/boundary.h"
 #include "plugin/elf_check.h"
 #include "plugin/guarded_parts.h"
+#include "plugin/plugin_call.h"
 #include "surface/surface_check.h"
 
 namespace deform {
@@ -55,6 +56,8 @@ std::shared_ptr<dll::shared_library> open_library(const std::filesystem::path& p
     reject(path, "cannot be loaded: it " + why);
   }
   try {
+    const std::string who = path.string();
+    const PluginCall call(who, "being loaded");
     auto library = std::make_shared<dll::shared_library>(path, dll::load_mode::rtld_now);
     keep_until_exit(library);
     return library;
@@ -173,6 +176,8 @@ std::optional<PluginFile> plugin_file(const std::filesystem::path& path) {
 LoadedPlugin::LoadedPlugin(PluginFile file, std::shared_ptr<void> library,
                            const PluginDescriptor& descriptor)
     : file_(std::move(file)), library_(std::move(library)), descriptor_(&descriptor) {
+  const std::string who = origin();
+  const PluginCall call(who, "declaring its parameters");
   descriptor.declare(fields_);
 }
 
@@ -183,6 +188,8 @@ std::string LoadedPlugin::origin() const {
 std::shared_ptr<Plugin> LoadedPlugin::create(const ParameterValues& values,
                                              const Setup& setup) const {
   std::unique_ptr<Plugin> object;
+  const std::string who = origin();
+  const PluginCall call(who, "being made");
   try {
     object = descriptor_->create(values, setup);
   } catch (const InputError& error) {
@@ -190,18 +197,20 @@ std::shared_ptr<Plugin> LoadedPlugin::create(const ParameterValues& values,
   } catch (const PluginFailure& failure) {
     if (names_a_plugin(failure))
       throw PluginFailure(failure.what());  // one that this one asked for
-    throw PluginFailure(origin() + " could not be made: " + failure.what());
+    throw PluginFailure(who + " could not be made: " + failure.what());
   } catch (...) {
-    throw PluginFailure(origin() + " could not be made: " + cause_of_current_exception());
+    throw PluginFailure(who + " could not be made: " + cause_of_current_exception());
   }
   if (!is_of_kind(object.get(), file_.kind)) {
-    throw PluginFailure(origin() + " made an object that is no " +
-                        std::string(name_of(file_.kind)) + " plugin");
+    throw PluginFailure(who + " made an object that is no " + std::string(name_of(file_.kind)) +
+                        " plugin");
   }
   // Not shared by make_shared: the object's memory, and the code that frees it, are the library's,
   // which the deleter keeps loaded.
-  std::shared_ptr<Plugin> shared(object.release(),
-                                 [library = library_](Plugin* plugin) { delete plugin; });
+  std::shared_ptr<Plugin> shared(object.release(), [library = library_, who](Plugin* plugin) {
+    const PluginCall last(who, "being destroyed");
+    delete plugin;
+  });
   return checked(std::move(shared));
 }
 

@@ -27,5 +27,8 @@ void Plugin::load(const Memory& /*memory*/) {}
 double Plugin::longest_step(double /*time*/) const {
   return std::numeric_limits<double>::infinity();
 }
+double Plugin::next_break(double /*after*/) const {
+  return std::numeric_limits<double>::infinity();
+}
 
 }  // namespace deform

@@ -12,6 +12,9 @@
 namespace deform {
 namespace {
 
+/// Some files tell no size and have no end (/proc, /sys).
+constexpr std::size_t kMostBytes = std::size_t{1} << 30U;
+
 /// A word as a message shows it: not too long, and printable whatever the file holds.
 std::string shown(std::string_view word) {
   constexpr std::size_t kMost = 40;
@@ -68,7 +71,12 @@ bool NumberFile::read_line(std::string& line) {
       throw InputError(place() + "is longer than " + std::to_string(longest_line_) + " bytes");
     line += static_cast<char>(c);
   }
+  if (file_.bad()) throw InputError(path_.string() + ": cannot be read to its end");
   const bool any = !file_.eof() || !line.empty();
+  bytes_ += line.size() + 1;
+  if (bytes_ > kMostBytes)
+    throw InputError(path_.string() + ": is too large, expected at most " +
+                     std::to_string(kMostBytes) + " bytes");
   line.resize(std::min(line.find('#'), line.size()));
   return any;
 }
@@ -79,7 +87,6 @@ std::optional<std::vector<double>> NumberFile::next() {
     auto row = parse_row(line, place());
     if (!row.empty()) return row;
   }
-  if (file_.bad()) throw InputError(path_.string() + ": cannot be read to its end");
   return std::nullopt;
 }
 

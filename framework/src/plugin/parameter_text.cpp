@@ -79,7 +79,7 @@ std::string expectation(const ParameterField& field) {
 
 ParameterText describe(const ParameterField& field) {
   ParameterText text{type_text(field.default_value), range_text(field), ""};
-  if (field.required) return text;
+  if (field.required || field.optional) return text;
   const Json json = to_json(field.default_value);
   if (const auto* use = std::get_if<PluginUse>(&field.default_value)) {
     text.default_value = use->name;

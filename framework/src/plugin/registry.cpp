@@ -12,6 +12,7 @@
 #include "deform/error.h"
 
 #include "plugin/library.h"
+#include "plugin/trusted_path.h"
 #include "scene/nearest_name.h"
 #include "scene/value_json.h"
 
@@ -25,7 +26,7 @@ constexpr const char* kVariable = "DEFORM_PLUGIN_PATH";
 constexpr const char* kInstallation = "installation";
 
 /// Why a folder from DEFORM_PLUGIN_PATH must not be searched; empty if it may. A variable is set
-/// once and forgotten, so it must not come to mean another folder, nor one where anybody puts
+/// once and forgotten, so it must not come to mean another folder, nor one where others put
 /// libraries.
 std::string objection(const fs::path& folder) {
   std::error_code error;
@@ -33,8 +34,7 @@ std::string objection(const fs::path& folder) {
   const fs::file_status status = fs::status(folder, error);
   if (!fs::exists(status)) return "does not exist";
   if (!fs::is_directory(status)) return "is not a folder";
-  const bool anybody_writes = (status.permissions() & fs::perms::others_write) != fs::perms::none;
-  return anybody_writes ? "is world-writable" : "";
+  return objection_to(folder);
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -164,6 +164,16 @@ struct PluginRegistry::Impl {
     return *first;
   }
 
+  /// A folder that nobody else writes may hold a library that others do, or a link to one.
+  void require_trusted(const PluginFile& file) const {
+    const bool is_by_variable = std::ranges::any_of(folders, [&](const SearchFolder& f) {
+      return f.said_by == kVariable && f.path / file.path.filename() == file.path;
+    });
+    const std::string why = is_by_variable ? objection_to(file.path) : "";
+    if (!why.empty())
+      throw InputError(std::string(kVariable) + ": the library " + file.path.string() + " " + why);
+  }
+
   [[nodiscard]] std::vector<std::string> names(PluginKind kind) const {
     std::vector<std::string> names;
     for (const PluginFile& file : files) {
@@ -209,7 +219,9 @@ const LoadedPlugin& PluginRegistry::load(PluginKind kind, const std::string& nam
   const std::pair key(kind, name);
   auto known = impl_->loaded.find(key);
   if (known == impl_->loaded.end()) {
-    known = impl_->loaded.emplace(key, load_plugin(impl_->find(kind, name).path)).first;
+    const PluginFile& file = impl_->find(kind, name);
+    impl_->require_trusted(file);
+    known = impl_->loaded.emplace(key, load_plugin(file.path)).first;
   }
   return known->second;
 }

@@ -4,6 +4,10 @@
 
 namespace deform {
 
+NodeValues areas_of_mass(const Surface& surface, const Material& material) {
+  return material.mass == AreaOf::parameters ? surface.areas() : surface.rest_areas();
+}
+
 const Surface& Setup::surface() const {
   if (surface_ == nullptr) {
     throw Error(ExitCode::plugin_failed, "there is no surface yet when this plugin is made");
@@ -16,6 +20,13 @@ const NodeVectors& Setup::rest() const {
     throw Error(ExitCode::plugin_failed, "there is no rest state yet when this plugin is made");
   }
   return *rest_;
+}
+
+const NodeValues& Setup::areas() const {
+  if (areas_ == nullptr) {
+    throw Error(ExitCode::plugin_failed, "there is no surface yet when this plugin is made");
+  }
+  return *areas_;
 }
 
 std::filesystem::path Setup::resolve(const std::filesystem::path& file) const {
@@ -34,9 +45,11 @@ std::shared_ptr<Plugin> Setup::create_any(const PluginUse& use) const {
   return factory_(use, *this);
 }
 
-Setup& Setup::with_surface(const Surface& surface, const NodeVectors& rest) {
+Setup& Setup::with_surface(const Surface& surface, const NodeVectors& rest,
+                           const NodeValues& areas) {
   surface_ = &surface;
   rest_ = &rest;
+  areas_ = &areas;
   return *this;
 }
 

@@ -6,6 +6,9 @@
 namespace deform {
 namespace {
 
+/// What sums of steps may leave of a time, relative.
+constexpr double kRoundingOfTime = 1e-13;
+
 using Point = std::pair<double, double>;
 
 /// Factor on the line through two points, a's time before b's.
@@ -39,17 +42,20 @@ double TimeProfile::operator()(double time) const {
   return 1;
 }
 
-double until_next(const std::vector<double>& times, double time) {
-  const double rounding = 1e-9 * std::max(1.0, std::abs(time));
-  const auto next = std::upper_bound(times.begin(), times.end(), time + rounding);
-  return next == times.end() ? kInfinity : *next - time;
+double TimeProfile::next_break(double after) const {
+  if (form == Form::constant) return kInfinity;
+  const auto next = std::upper_bound(points.begin(), points.end(), after,
+                                     [](double t, const Point& p) { return t < p.first; });
+  return next == points.end() ? kInfinity : next->first;
 }
 
 double TimeProfile::until_next_point(double time) const {
-  if (form == Form::constant) return kInfinity;
-  std::vector<double> times;
-  for (const Point& p : points) times.push_back(p.first);
-  return until_next(times, time);
+  return next_break(time + kRoundingOfTime * std::abs(time)) - time;
+}
+
+double first_after(const std::vector<double>& times, double after) {
+  const auto next = std::upper_bound(times.begin(), times.end(), after);
+  return next == times.end() ? kInfinity : *next;
 }
 
 }  // namespace deform

@@ -17,5 +17,6 @@ Probe::~Probe() = default;
 
 void Probe::begin(const RunContext& /*context*/) {}
 void Probe::follow(const Frame& /*frame*/) {}
+void Probe::follow_break(const Frame& /*frame*/) {}
 
 }  // namespace deform

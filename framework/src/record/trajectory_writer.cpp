@@ -30,10 +30,11 @@ void append_matrix(std::string& bytes, const Matrix& m) {
 TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& file, const System& system,
                                    double size, std::size_t keep)
     : fields_(system), file_(file, keep) {
-  if (keep == 0) file_.append(header(system.surface(), size));
+  if (keep == 0) file_.append(header(system.surface(), system.areas(), size));
 }
 
-std::string TrajectoryWriter::header(const Surface& surface, double size) const {
+std::string TrajectoryWriter::header(const Surface& surface, const NodeValues& areas,
+                                     double size) const {
   const Faces& faces = surface.faces();
   Json json = {{"nodes", surface.nodes()},
                {"faces", faces.size()},
@@ -46,7 +47,7 @@ std::string TrajectoryWriter::header(const Surface& surface, double size) const 
   append(bytes, static_cast<std::uint64_t>(text.size()));
   bytes += text;
   append_matrix(bytes, surface.parameters());
-  append_matrix(bytes, surface.areas());
+  append_matrix(bytes, areas);
   append(bytes, std::span<const std::int32_t>(faces.begin));
   append(bytes, std::span<const std::int32_t>(faces.nodes));
   return bytes;
@@ -65,9 +66,14 @@ void TrajectoryWriter::record(const Frame& frame) {
   last_ = frame.step;
 }
 
-std::size_t TrajectoryWriter::sync() {
+WrittenFile TrajectoryWriter::sync() {
   file_.sync();
-  return file_.size();
+  return file_.written();
+}
+
+WrittenFile TrajectoryWriter::close() {
+  file_.close();
+  return file_.written();
 }
 
 }  // namespace deform

@@ -22,11 +22,14 @@ class TrajectoryWriter {
   /// Appends a frame, unless this step was the last to be recorded. It is in the file when the call
   /// returns.
   void record(const Frame& frame);
-  /// Has all frames put on disk; returns the size of the file. Throws Error when it cannot.
-  [[nodiscard]] std::size_t sync();
+  /// Has all frames put on disk; returns what the file holds. Throws Error when it cannot.
+  [[nodiscard]] WrittenFile sync();
+  /// Ends the file; returns what it holds. Throws Error when it cannot.
+  WrittenFile close();
 
  private:
-  [[nodiscard]] std::string header(const Surface& surface, double size) const;
+  [[nodiscard]] std::string header(const Surface& surface, const NodeValues& areas,
+                                   double size) const;
 
   NodeFields fields_;
   AppendFile file_;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <string>
+#include <system_error>
 
 #include "deform/error.h"
 
@@ -10,6 +12,9 @@
 #include "report/report_source.h"
 #include "report/report_writer.h"
 #include "simulation/files.h"
+#include "simulation/folder_lock.h"
+#include "simulation/old_run.h"
+#include "simulation/run_directory.h"
 
 namespace deform {
 namespace {
@@ -48,6 +53,12 @@ std::size_t room(const ReportSource& source, const ReportPage& page) {
 }  // namespace
 
 fs::path write_report(const fs::path& folder) {
+  std::error_code error;
+  std::optional<FolderLock> lock;
+  if (fs::is_directory(folder, error) && (has_manifest(folder) || has_old_run(folder))) {
+    lock.emplace(folder);
+    give_old_run_back(folder);
+  }
   const ReportSource source = read_report_source(folder);
   const ReportPage page = read_page();
   std::string text(page.before());

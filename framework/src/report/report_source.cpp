@@ -1,12 +1,14 @@
 #include "report/report_source.h"
 
 #include <algorithm>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include "deform/error.h"
 
 #include "simulation/json_file.h"
+#include "simulation/manifest.h"
 #include "simulation/run_directory.h"
 
 namespace deform {
@@ -31,8 +33,14 @@ std::string readable(std::string time) {
   return time;
 }
 
+/// What a run has not written itself is not shown as its result.
 void add_recorded(ReportVariant& variant, std::vector<std::string>& notes) {
   RecordedRun run = read_variant(variant.folder, notes);
+  if (const std::string why = damaged_result(variant.folder, run.manifest); !why.empty()) {
+    notes.push_back(fmt::format("nothing is shown of {}: {}", variant.folder.string(), why));
+    variant.is_damaged = true;
+    return;
+  }
   variant.probe_rows = run.probes.moments.size();
   variant.probe_columns = run.probes.names.size() + 2;
   if (run.trajectory) {
@@ -112,6 +120,10 @@ RecordedRun read_variant(const fs::path& folder, std::vector<std::string>& notes
 }
 
 ReportSource read_report_source(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw InputError(fmt::format("'{}' is {}", folder.string(),
+                                 fs::exists(folder, error) ? "not a folder" : "not there"));
   const Json summary = read_json_object(folder / "summary.json");
   const Json manifest = read_json_object(folder / "manifest.json");
   const bool is_comparison = text_of(summary, "kind") == "comparison";

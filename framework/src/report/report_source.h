@@ -24,6 +24,7 @@ struct ReportVariant {
   std::vector<Moment> moments;   ///< of its trajectory; empty where there is none
   std::vector<TrajectoryField> fields;
   std::size_t probe_rows = 0, probe_columns = 0;
+  bool is_damaged = false;  ///< its files are not what the run has written
 };
 
 struct ReportSource {

@@ -21,12 +21,21 @@ Field field_of(Json& json, const ValuePlace& place, const std::filesystem::path&
   const auto text = json.begin()->get<std::string>();
   if (json.begin().key() == "formula") return Field::formula(text, rules_of(place));
   // The completed scene lies in another folder, and must mean the same file there.
-  const std::filesystem::path file = (folder / text).lexically_normal();
+  const std::filesystem::path file = scene_file(folder, text);
   *json.begin() = file.string();
   return Field::map(file, rules_of(place));
 }
 
 }  // namespace
+
+std::filesystem::path scene_file(const std::filesystem::path& folder,
+                                 const std::filesystem::path& file) {
+  std::filesystem::path absolute = (folder / file).lexically_normal();
+  if (!is_utf8(absolute.string()))
+    throw InputError(file.string() +
+                     ": lies in a folder whose name is not UTF-8, which a scene cannot say");
+  return absolute;
+}
 
 std::optional<Field> read_field(Json& json, const ValuePlace& place,
                                 const std::filesystem::path& folder, PlainReader& reader) {

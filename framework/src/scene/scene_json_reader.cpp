@@ -8,6 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include "deform/model/materials.h"
+
 #include "scene/json_pointer.h"
 #include "scene/scene_rules.h"
 #include "scene/value_json.h"
@@ -18,6 +20,9 @@ namespace deform {
 namespace {
 
 using Form = SceneSection::Form;
+
+constexpr const char* kMaterial = "material";
+constexpr const char* kDensity = "density";
 
 /// More steps than this no computer takes; it also keeps the count within its type.
 constexpr double kMostSteps = 1e15;
@@ -32,6 +37,14 @@ bool takes_normal(const PluginUse& energy) {
   return energy.parameters != nullptr &&
          std::ranges::any_of(energy.parameters->entries(),
                              [](const auto& entry) { return is_normal(entry.second); });
+}
+
+/// Whether an energy names a sheet of the materials, which has a mass of its own.
+bool names_material(const PluginUse& energy) {
+  if (energy.parameters == nullptr || !energy.parameters->has("material")) return false;
+  const auto* name = std::get_if<std::string>(&energy.parameters->at("material"));
+  return name != nullptr && std::ranges::find(sheet_materials(), *name, &SheetMaterial::name) !=
+                                sheet_materials().end();
 }
 
 /// The energy term with another normal estimator. What is wrong with the two together is wrong with
@@ -117,6 +130,7 @@ class SectionReader {
     const std::string pointer = '/' + section.key;
     if (!json_.contains(section.key)) json_[section.key] = Json::object();
     Json& object = json_[section.key];
+    if (section.key == kMaterial) density_is_given_ = object.contains(kDensity);
     if (!object.is_object()) {
       problems_.add(pointer, "found " + shown(object) + ", expected an object");
       return;
@@ -217,16 +231,26 @@ class SectionReader {
     return recorders;
   }
 
+  Material material() {
+    const ParameterValues& values = objects_[kMaterial];
+    return {
+        .density = values.get<double>(kDensity),
+        .damping = values.get<double>("damping"),
+        .rayleigh_mass = values.get<double>("rayleigh_mass"),
+        .rayleigh_stiffness = values.get<double>("rayleigh_stiffness"),
+        .mass = values.get<std::string>("mass") == kParameters ? AreaOf::parameters : AreaOf::rest};
+  }
+
   Scene scene() {
     Scene scene;
     scene.title = values_.get<std::string>("title");
     scene.surface = uses_["surface"].front();
-    const ParameterValues& material = objects_["material"];
-    scene.material = {.density = material.get<double>("density"),
-                      .damping = material.get<double>("damping"),
-                      .rayleigh_mass = material.get<double>("rayleigh_mass"),
-                      .rayleigh_stiffness = material.get<double>("rayleigh_stiffness")};
+    scene.material = material();
+    scene.density_is_given = density_is_given_;
     scene.energies = uses_["energies"];
+    // A default that does not hold must not be read as given when the scene is run again.
+    if (!density_is_given_ && std::ranges::any_of(scene.energies, names_material))
+      json_[kMaterial].erase(std::string(kDensity));
     scene.forces = uses_["forces"];
     scene.constraints = uses_["constraints"];
     scene.colliders = colliders();
@@ -247,6 +271,7 @@ class SectionReader {
     scene.frames_written = objects_["frames"].get<bool>("write");
     scene.frames_every = objects_["frames"].get<std::int64_t>("every");
     scene.completed = json_.dump(2) + '\n';
+    scene.files = reader_.files();
     return scene;
   }
 
@@ -281,6 +306,7 @@ class SectionReader {
     return scene;
   }
 
+  bool density_is_given_ = false;
   Json& json_;
   SceneProblems& problems_;
   ValueReader reader_;

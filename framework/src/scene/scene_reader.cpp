@@ -43,11 +43,7 @@ bool is_variant_name(const std::string& name) {
 std::optional<Json> replacement_value(const std::string& text) {
   const JsonDocument document = JsonDocument::parse(text, "");
   if (document.problems().empty()) return document.root();
-  try {
-    (void)Json(text).dump();
-  } catch (const Json::type_error&) {
-    return std::nullopt;
-  }
+  if (!is_utf8(text)) return std::nullopt;
   return Json(text);
 }
 

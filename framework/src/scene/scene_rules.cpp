@@ -39,14 +39,21 @@ struct VelocityRules {
 };
 
 struct MaterialRules {
+  std::string mass = kRest;
   double density = Material{}.density;
   double damping = Material{}.damping;
   double rayleigh_mass = Material{}.rayleigh_mass;
   double rayleigh_stiffness = Material{}.rayleigh_stiffness;
   static void declare(Declaration<MaterialRules>& d) {
-    d("density", &MaterialRules::density, "kg/m²", "mu of (16), mass per parameter area").above(0);
-    d("damping", &MaterialRules::damping, "N·s/m³", "gamma of (16), damping per parameter area")
-        .at_least(0);
+    d("density", &MaterialRules::density, "kg/m²",
+      "mu of (16), mass per area; when absent that of the sheet that an energy's 'material' names, "
+      "if any does")
+        .above(0);
+    d("mass", &MaterialRules::mass, "",
+      "the area that mass, damping and loads go by: rest, that of the rest surface; or parameters, "
+      "that of a1 and a2, as in (16)")
+        .one_of({kRest, kParameters});
+    d("damping", &MaterialRules::damping, "N·s/m³", "gamma of (16), damping per area").at_least(0);
     d("rayleigh_mass", &MaterialRules::rayleigh_mass, "1/s",
       "damping force as a multiple of mass times velocity")
         .at_least(0);

@@ -31,6 +31,10 @@ inline constexpr std::size_t kMostPlugins = 1000;  ///< in one list
 inline constexpr std::size_t kMostVariants = 1000;
 inline constexpr std::size_t kMostShadows = 1000;  ///< shadows times energy terms that they are of
 
+/// Choices of the material's `mass`.
+inline constexpr const char* kRest = "rest";
+inline constexpr const char* kParameters = "parameters";
+
 /// All keys of a scene, in the order in which a completed scene has them. The only place that says
 /// which there are.
 const std::vector<SceneSection>& scene_sections();

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "deform/error.h"
+
 #include "plugin/field_schema.h"
 #include "plugin/parameter_text.h"
 #include "scene/field_reader.h"
@@ -46,19 +48,40 @@ std::optional<std::filesystem::path> ValueReader::read(Json& json, const ValuePl
   if (!json.is_string()) return plain_.reject(json, place, ParameterValue(by_default));
   std::filesystem::path file = json.get<std::string>();
   // The completed scene lies in another folder, and must mean the same files there.
-  if (resolves_files_ && !file.empty()) file = (folder_ / file).lexically_normal();
+  if (resolves_files_ && !file.empty()) {
+    try {
+      file = scene_file(folder_, file);
+    } catch (const InputError& error) {
+      problems_.add(place.pointer, error.what());
+      return std::nullopt;
+    }
+    files_.push_back({place.pointer, file});
+  }
   json = file.string();
   return file;
 }
 
+/// The maps in what was read as a field, or as a matrix of fields.
+void ValueReader::note_maps(const Json& json, const std::string& pointer) {
+  if (json.is_array()) {
+    for (std::size_t i = 0; i < json.size(); ++i) note_maps(json[i], child_pointer(pointer, i));
+  } else if (json.is_object() && json.contains("map")) {
+    files_.push_back({child_pointer(pointer, "map"), json["map"].get<std::string>()});
+  }
+}
+
 std::optional<Field> ValueReader::read(Json& json, const ValuePlace& place,
                                        const Field& /*by_default*/) {
-  return read_field(json, place, folder_, plain_);
+  auto field = read_field(json, place, folder_, plain_);
+  if (field) note_maps(json, place.pointer);
+  return field;
 }
 
 std::optional<PairWeightsField> ValueReader::read(Json& json, const ValuePlace& place,
                                                   const PairWeightsField& /*by_default*/) {
-  return read_weights_field(json, place, folder_, plain_);
+  auto weights = read_weights_field(json, place, folder_, plain_);
+  if (weights) note_maps(json, place.pointer);
+  return weights;
 }
 
 std::optional<ParameterValue> ValueReader::value(Json& json, const ValuePlace& place) {
@@ -79,6 +102,7 @@ void ValueReader::missing_member(Json& object, const ParameterField& field,
     return;
   }
   values.set(field.name, field.default_value);
+  if (field.optional) return;
   Json json = to_json(field.default_value);
   if (json.is_null()) return;
   const ValuePlace place{field, child_pointer(pointer, field.name)};

@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "deform/plugin/registry.h"
+#include "deform/simulation/scene.h"
 
 #include "scene/plain_reader.h"
 
@@ -27,9 +29,12 @@ class ValueReader {
   /// One member of an object, which stands at `pointer`.
   void member(Json& object, const ParameterField& field, const std::string& pointer,
               ParameterValues& values);
+  /// The files that were named so far.
+  [[nodiscard]] const std::vector<SceneFile>& files() const { return files_; }
 
  private:
   std::optional<ParameterValue> value(Json& json, const ValuePlace& place);
+  void note_maps(const Json& json, const std::string& pointer);
   void missing_member(Json& object, const ParameterField& field, const std::string& pointer,
                       ParameterValues& values);
   ParameterValues plugin_members(Json& object, const LoadedPlugin& plugin,
@@ -53,6 +58,7 @@ class ValueReader {
   SceneProblems& problems_;
   PlainReader plain_;
   bool resolves_files_ = true;
+  std::vector<SceneFile> files_;
 };
 
 }  // namespace deform

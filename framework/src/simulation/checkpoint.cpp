@@ -1,5 +1,6 @@
 #include "simulation/checkpoint.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -11,8 +12,6 @@
 
 #include "deform/error.h"
 
-#include "scene/json.h"
-#include "simulation/files.h"
 #include "simulation/sha256.h"
 
 namespace deform {
@@ -21,7 +20,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they are");
 
 constexpr std::string_view kMagic = "deform checkpoint\n";
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr std::size_t kHashDigits = 64;
 /// What every checkpoint has: its head, without entries, and the checksum.
 constexpr std::size_t kLeast = kMagic.size() + 4 + kHashDigits + 3 * 8 + kHashDigits;
@@ -91,6 +90,29 @@ void check_seal(Reader& reader, std::string_view content) {
                  "its checksum is wrong; it is damaged or cut short");
 }
 
+/// A name that leads out of the run directory is none that a run writes.
+bool is_within(const std::string& name) {
+  const std::filesystem::path path(name);
+  return !name.empty() && path.is_relative() && path == path.lexically_normal() &&
+         *path.begin() != "..";
+}
+
+std::vector<WrittenFile> read_files(Reader& reader) {
+  std::vector<WrittenFile> files;
+  const auto count = reader.number<std::uint64_t>();
+  for (std::uint64_t i = 0; i < count; ++i) {
+    const auto name_length = reader.number<std::uint64_t>();
+    const auto hash_length = reader.number<std::uint64_t>();
+    reader.require(hash_length == 0 || hash_length == kHashDigits, "a hash in it is none");
+    WrittenFile& file = files.emplace_back();
+    file.bytes = reader.number<std::uint64_t>();
+    file.name = reader.bytes(name_length);
+    reader.require(is_within(file.name), "a file in it is none of a run directory");
+    file.sha256 = reader.bytes(hash_length);
+  }
+  return files;
+}
+
 Memory read_entries(Reader& reader) {
   Memory memory;
   std::string last;
@@ -108,15 +130,10 @@ Memory read_entries(Reader& reader) {
 
 }  // namespace
 
-std::string identity_of(const std::string& completed) {
-  // Not the ordered kind: how the author laid the scene out makes no difference.
-  nlohmann::json json = nlohmann::json::parse(completed, nullptr, false);
-  if (!json.is_object()) return "";
-  for (const char* key : {"duration", "checkpoint"}) json.erase(key);
-  return sha256_of(json.dump());
+const WrittenFile* Checkpoint::file(const std::string& name) const {
+  const auto found = std::ranges::find(files, name, &WrittenFile::name);
+  return found == files.end() ? nullptr : &*found;
 }
-
-std::string identity_of(const Scene& scene) { return identity_of(scene.completed); }
 
 std::string sealed(std::string content) {
   content += sha256_of(content);
@@ -128,7 +145,13 @@ std::string encoded(const Checkpoint& checkpoint) {
   put(out, kVersion);
   out += checkpoint.scene;
   put(out, std::int64_t{checkpoint.step});
-  put(out, std::uint64_t{checkpoint.table_bytes});
+  put(out, std::uint64_t{checkpoint.files.size()});
+  for (const WrittenFile& file : checkpoint.files) {
+    put(out, std::uint64_t{file.name.size()});
+    put(out, std::uint64_t{file.sha256.size()});
+    put(out, file.bytes);
+    out += file.name + file.sha256;
+  }
   const auto& entries = checkpoint.memory.entries();
   put(out, std::uint64_t{entries.size()});
   for (const auto& [name, values] : entries) {
@@ -149,7 +172,7 @@ Checkpoint decode_checkpoint(std::string_view content, const std::string& file) 
   checkpoint.scene = reader.bytes(kHashDigits);
   checkpoint.step = reader.number<std::int64_t>();
   reader.require(checkpoint.step >= 0, "its number of steps is negative");
-  checkpoint.table_bytes = reader.number<std::uint64_t>();
+  checkpoint.files = read_files(reader);
   checkpoint.memory = read_entries(reader);
   reader.require(reader.left() == 0, "it is longer than what it says it holds");
   return checkpoint;

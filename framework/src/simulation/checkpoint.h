@@ -2,14 +2,16 @@
 #pragma once
 
 #include <chrono>
-#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "deform/plugin/plugin.h"
 #include "deform/simulation/scene.h"
+
+#include "simulation/files.h"
 
 namespace deform {
 
@@ -17,22 +19,20 @@ namespace deform {
 /// figures and frames of this step are not. So nothing depends on whether it is recorded because it
 /// was the last one when the checkpoint was written, or because it is due.
 struct Checkpoint {
-  std::string scene;            ///< identity_of() the run's scene
-  long step = 0;                ///< steps done
-  std::size_t table_bytes = 0;  ///< of probes.csv: its head and the rows of earlier steps
-  Memory memory;                ///< of the simulation, the probes and the outputs
+  std::string scene;               ///< identity_of() the run's scene and its files
+  long step = 0;                   ///< steps done
+  std::vector<WrittenFile> files;  ///< of the run directory, as earlier steps left them
+  Memory memory;                   ///< of the simulation, the probes and the outputs
+
+  /// The file of that name; null where there is none.
+  [[nodiscard]] const WrittenFile* file(const std::string& name) const;
 };
 
-/// A hash of all that a completed scene says about its states and their recording. Scenes that
-/// differ in `duration` or `checkpoint` only have the same: a run may be prolonged.
-[[nodiscard]] std::string identity_of(const Scene& scene);
-/// The same for the text of a run's scene.json; empty when that is not JSON.
-[[nodiscard]] std::string identity_of(const std::string& completed);
-
 /// The content of a checkpoint file. Little-endian: a line of text, format version (4 bytes),
-/// identity (64), step (8), table_bytes (8), number of entries (8); of each entry the lengths of
-/// its name (8) and of its list (8), the name, the list of doubles; the SHA-256 of all that, in
-/// hexadecimal digits (64).
+/// identity (64), step (8), number of files (8); of each file the lengths of its name (8) and of
+/// its hash (8: 64 or 0), its bytes (8), name, hash; number of entries (8); of each entry the
+/// lengths of its name (8) and of its list (8), the name, the list of doubles; the SHA-256 of all
+/// that, in hexadecimal digits (64).
 [[nodiscard]] std::string encoded(const Checkpoint& checkpoint);
 /// `file` is for messages. Throws InputError, naming it and the reason, for anything that
 /// encoded() of this version does not write; allocates no more than `content` takes.

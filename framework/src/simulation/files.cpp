@@ -61,9 +61,16 @@ void sync_folder(const std::filesystem::path& folder) {
   if (descriptor.get() >= 0) (void)::fsync(descriptor.get());
 }
 
+/// A new file in place of what has its name; −1 with errno. What somebody links elsewhere is not
+/// written to: the link goes.
+int make_file(const std::filesystem::path& file) {
+  if (::unlink(file.c_str()) != 0 && errno != ENOENT) return -1;
+  return ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+}
+
 /// 0, or the error.
 int write_and_sync(const std::filesystem::path& file, std::string_view content) {
-  Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  Descriptor descriptor(make_file(file));
   if (descriptor.get() < 0) return errno;
   if (const int error = write_all(descriptor.get(), content); error != 0) return error;
   if (::fsync(descriptor.get()) != 0) return errno;
@@ -87,7 +94,7 @@ void write_atomically(const std::filesystem::path& file, std::string_view conten
 std::optional<std::string> read_file(const std::filesystem::path& file) {
   const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (descriptor.get() < 0) {
-    if (errno == ENOENT) return std::nullopt;
+    if (errno == ENOENT || errno == ENOTDIR || errno == ENAMETOOLONG) return std::nullopt;
     fail("read", file, errno);
   }
   struct stat status {};
@@ -105,21 +112,52 @@ std::optional<std::string> read_file(const std::filesystem::path& file) {
   return content;
 }
 
+std::string missing_from(const std::filesystem::path& folder, const WrittenFile& written) {
+  namespace fs = std::filesystem;
+  const fs::path file = folder / written.name;
+  std::error_code error;
+  for (fs::path above = fs::path(written.name).parent_path(); !above.empty();
+       above = above.parent_path()) {
+    if (fs::is_symlink(fs::symlink_status(folder / above, error)))
+      return fmt::format("{} is a link, out of the run directory", (folder / above).string());
+  }
+  const auto status = std::filesystem::symlink_status(file, error);
+  if (status.type() == std::filesystem::file_type::not_found)
+    return fmt::format("{} is not there", file.string());
+  if (!is_regular_file(status)) return fmt::format("{} is not a regular file", file.string());
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error) return fmt::format("{} cannot be read: {}", file.string(), error.message());
+  if (bytes < written.bytes) {
+    return fmt::format("{} has {} bytes only, of {} that were written", file.string(), bytes,
+                       written.bytes);
+  }
+  if (written.sha256.empty()) return "";
+  Sha256 hash;
+  (void)add_file(hash, file, written.bytes);
+  if (hash.digits() == written.sha256) return "";
+  return fmt::format("the {} bytes of {} are not those that were written", written.bytes,
+                     file.string());
+}
+
 AppendFile::AppendFile(std::filesystem::path file, std::size_t keep)
-    : file_(std::move(file)),
-      descriptor_(
-          ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (keep > 0 ? 0 : O_TRUNC), 0666)),
-      size_(keep) {
-  if (descriptor_ < 0) fail("make", file_, errno);
+    : file_(std::move(file)), size_(keep) {
+  descriptor_ =
+      keep == 0 ? make_file(file_) : ::open(file_.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
+  if (descriptor_ < 0) fail(keep == 0 ? "make" : "go on with", file_, errno);
   const off_t end = ::lseek(descriptor_, 0, SEEK_END);
   int error = end < 0 ? errno : std::cmp_less(end, keep) ? EINVAL : 0;
   if (error == 0 && cut_to(descriptor_, keep) != 0) error = errno;
-  if (error == 0) return;
+  if (error == 0) {
+    if (keep > 0) (void)add_file(hash_, file_, keep);
+    return;
+  }
   ::close(descriptor_);
   fail("go on with", file_, error);
 }
 
-AppendFile::~AppendFile() { ::close(descriptor_); }
+AppendFile::~AppendFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
 
 void AppendFile::append(std::string_view record) {
   if (const int error = write_all(descriptor_, record); error != 0) {
@@ -128,10 +166,19 @@ void AppendFile::append(std::string_view record) {
     fail("write", file_, error);
   }
   size_ += record.size();
+  hash_.add(record);
 }
 
 void AppendFile::sync() {
   if (::fsync(descriptor_) != 0) fail("write", file_, errno);
+}
+
+void AppendFile::close() {
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail("write", file_, errno);
+}
+
+WrittenFile AppendFile::written() const {
+  return {file_.filename().string(), size_, hash_.digits()};
 }
 
 }  // namespace deform

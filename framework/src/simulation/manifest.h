@@ -3,10 +3,13 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "deform/simulation/run.h"
 
 #include "scene/json.h"
+#include "simulation/files.h"
+#include "simulation/scene_files.h"
 
 namespace deform {
 
@@ -23,14 +26,32 @@ class Manifest {
  public:
   Manifest(const Scene& scene, const PluginRegistry& registry, const RunOptions& options);
 
-  /// The run goes on after `step`. Warns of plugins that are not those of the `earlier` manifest.
-  void resume(long step, const Json& earlier);
+  /// "", or what the run of an `earlier` manifest was made with that is another now: the program,
+  /// a plugin, a file of the scene.
+  [[nodiscard]] std::string difference(const Json& earlier) const;
+  /// The files that the scene names, as they were when this was made.
+  [[nodiscard]] const std::vector<HashedFile>& files() const { return files_; }
+
+  /// The run goes on after `step`.
+  void resume(long step);
+  /// A file that the run has written to its end.
+  void add_result(const WrittenFile& file);
   void finish(const RunResult& result, const std::string& solver_choice);
+  /// The text with the status "plugin failed", and where in it the reason stands, which is "".
+  struct IfProcessEnds {
+    std::string before, after;
+  };
+  [[nodiscard]] IfProcessEnds if_process_ends() const;
   /// Throws Error when it cannot be written.
   void write(const std::filesystem::path& folder) const;
 
  private:
+  std::vector<HashedFile> files_;
   Json json_;
 };
+
+/// "", or which file of a run directory is not what its manifest says that the run has written.
+/// Nothing is known of a run that has not ended. Throws Error when one cannot be read.
+[[nodiscard]] std::string damaged_result(const std::filesystem::path& folder, const Json& manifest);
 
 }  // namespace deform

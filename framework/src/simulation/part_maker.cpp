@@ -16,9 +16,10 @@ Setup PartMaker::setup() const {
   return setup;
 }
 
-Setup PartMaker::setup(const Surface& surface, const NodeVectors& rest) const {
+Setup PartMaker::setup(const Surface& surface, const NodeVectors& rest,
+                       const NodeValues& areas) const {
   Setup complete = setup();
-  complete.with_surface(surface, rest);
+  complete.with_surface(surface, rest, areas);
   return complete;
 }
 

@@ -27,7 +27,8 @@ class PartMaker {
 
   /// What constructors look at before there is a surface, and after.
   [[nodiscard]] Setup setup() const;
-  [[nodiscard]] Setup setup(const Surface& surface, const NodeVectors& rest) const;
+  [[nodiscard]] Setup setup(const Surface& surface, const NodeVectors& rest,
+                            const NodeValues& areas) const;
 
   /// Nothing when the plugin rejects what the scene says of it: see problems(). Names are unique
   /// within a kind: "bending", "bending_2".

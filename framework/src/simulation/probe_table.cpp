@@ -52,9 +52,14 @@ ProbeTable::ProbeTable(const std::filesystem::path& file, std::span<const ProbeC
   file_.append(row_);
 }
 
-std::size_t ProbeTable::sync() {
+WrittenFile ProbeTable::sync() {
   file_.sync();
-  return file_.size();
+  return file_.written();
+}
+
+WrittenFile ProbeTable::close() {
+  file_.close();
+  return file_.written();
 }
 
 void ProbeTable::append(long step, double time, std::span<const double> figures) {

@@ -43,8 +43,10 @@ class ProbeTable {
              std::size_t keep = 0);
   /// Figures that are NaN become empty fields; the others come back with the same bits when read.
   void append(long step, double time, std::span<const double> figures);
-  /// Has all rows put on disk; returns the size of the file. Throws Error when it cannot.
-  [[nodiscard]] std::size_t sync();
+  /// Has all rows put on disk; returns what the file holds. Throws Error when it cannot.
+  [[nodiscard]] WrittenFile sync();
+  /// Ends the file; returns what it holds. Throws Error when it cannot.
+  WrittenFile close();
 
  private:
   AppendFile file_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <filesystem>
 #include <map>
 #include <span>
 #include <string>
@@ -79,7 +80,12 @@ void ProbeRecorder::open(const std::filesystem::path& file, std::size_t keep) {
   table_ = std::make_unique<ProbeTable>(file, columns_, keep);
 }
 
-std::size_t ProbeRecorder::sync() { return table_->sync(); }
+WrittenFile ProbeRecorder::sync() { return table_->sync(); }
+
+std::optional<WrittenFile> ProbeRecorder::close() {
+  if (!table_) return std::nullopt;
+  return table_->close();
+}
 
 void ProbeRecorder::save(Memory& memory) const {
   std::vector<double> figures;
@@ -106,6 +112,15 @@ void ProbeRecorder::follow(const Frame& frame) {
   for (const Entry& entry : probes_) {
     const Span span(entry.probe.name);
     guarded(entry.probe.origin, "following a step", [&] { entry.probe.object->follow(frame); });
+  }
+}
+
+void ProbeRecorder::follow_break(const Frame& frame) {
+  const Span probes("probes");
+  for (const Entry& entry : probes_) {
+    const Span span(entry.probe.name);
+    guarded(entry.probe.origin, "following a step",
+            [&] { entry.probe.object->follow_break(frame); });
   }
 }
 
@@ -158,7 +173,7 @@ OutputRecorder::OutputRecorder(const std::vector<RecorderUse>& uses, PartMaker& 
       maker.add({{use.use.pointer, fmt::format("at {}: writes into \"{}\" of the run directory, as "
                                                "the output at {} does: keep one of them",
                                                use.use.pointer, place, first->second)}});
-    outputs_.push_back({std::move(*output), use.every});
+    outputs_.push_back({std::move(*output), use.every, place});
   }
 }
 
@@ -199,6 +214,26 @@ void OutputRecorder::load(const Memory& memory) {
   for (const Entry& entry : outputs_) {
     load_plugin(*entry.output.object, entry.output.origin, "output/" + entry.output.name, memory);
   }
+}
+
+std::vector<WrittenFile> OutputRecorder::files(const std::filesystem::path& folder) const {
+  namespace fs = std::filesystem;
+  std::vector<WrittenFile> files;
+  const auto add = [&](const fs::directory_entry& entry) {
+    if (!entry.is_regular_file() || entry.path().extension() == ".part") return;
+    files.push_back({entry.path().lexically_relative(folder).string(), entry.file_size(), ""});
+  };
+  for (const Entry& entry : outputs_) {
+    if (entry.place.empty()) continue;
+    const fs::directory_entry place(folder / entry.place);
+    if (!place.is_directory()) {
+      add(place);
+      continue;
+    }
+    for (const auto& file : fs::recursive_directory_iterator(place)) add(file);
+  }
+  std::ranges::sort(files, {}, &WrittenFile::name);
+  return files;
 }
 
 void OutputRecorder::end() {

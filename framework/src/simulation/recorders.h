@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,10 +31,14 @@ class ProbeRecorder {
   void begin(const RunContext& context);
   /// Starts the file, or goes on after its first `keep` bytes.
   void open(const std::filesystem::path& file, std::size_t keep = 0);
-  /// Has all rows put on disk; returns the size of the file.
-  [[nodiscard]] std::size_t sync();
+  /// Has all rows put on disk; returns what the file holds.
+  [[nodiscard]] WrittenFile sync();
+  /// Ends the file; returns what it holds; nothing where it was not opened.
+  std::optional<WrittenFile> close();
   /// To be called after every step.
   void follow(const Frame& frame);
+  /// To be called within a step where it is not smooth.
+  void follow_break(const Frame& frame);
   [[nodiscard]] bool due(long step) const;
   /// Writes a row with the figures that are due at this step, or all; no row when none is due, or
   /// when the step has one already.
@@ -82,6 +87,9 @@ class OutputRecorder {
   /// What the outputs remember. Loading comes after `begin`.
   void save(Memory& memory) const;
   void load(const Memory& memory);
+  /// What the outputs have written into the run directory, by name. Nothing of those that do not
+  /// say where they write.
+  [[nodiscard]] std::vector<WrittenFile> files(const std::filesystem::path& folder) const;
   /// Ends every output that was begun, even where another one fails; then throws the first failure.
   void end();
 
@@ -89,7 +97,8 @@ class OutputRecorder {
   struct Entry {
     Named<Output> output;
     long every = 1;
-    long last = -1;  // step written
+    std::string place;  // Output::place
+    long last = -1;     // step written
   };
   std::vector<Entry> outputs_;
   std::size_t begun_ = 0;

@@ -8,8 +8,9 @@
 #include "deform/error.h"
 
 #include "simulation/files.h"
-#include "simulation/manifest.h"
+#include "simulation/folder_lock.h"
 #include "simulation/run_directory.h"
+#include "simulation/scene_files.h"
 
 namespace deform {
 namespace {
@@ -30,12 +31,14 @@ std::string difference(const Json& there, const Json& here) {
   return "/";
 }
 
-void refuse_other_scene(const fs::path& folder, const std::string& there, const Scene& scene) {
-  if (identity_of(there) == identity_of(scene)) return;
+/// Files may lie elsewhere: what they hold is looked at by itself.
+void refuse_other_scene(const fs::path& folder, const std::string& there, const Scene& scene,
+                        const std::vector<HashedFile>& files) {
+  if (identity_of(there, files) == identity_of(scene.completed, files)) return;
   const Json old = parsed(there);
-  const std::string where =
-      old.is_object() ? "; the first difference is at " + difference(old, parsed(scene.completed))
-                      : "";
+  const std::string where = old.is_object() ? "; the first difference is at " +
+                                                  difference(old, parsed(scene_text(scene, folder)))
+                                            : "";
   throw InputError(fmt::format(
       "cannot resume in '{}': it holds the run of another scene (scene.json){}; --force instead of "
       "--resume replaces it",
@@ -48,54 +51,65 @@ void refuse_other_files(const fs::path& folder) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const fs::path name = entry.path().filename();
-    if (name == "manifest.json" || name == "log.txt" || name.extension() == ".part") continue;
+    if (name == kManifestFile || name == kLockFile || name == "log.txt" ||
+        name.extension() == ".part")
+      continue;
     throw InputError(fmt::format(
         "cannot resume in '{}': it holds '{}' but no scene.json, so it is not a run directory",
         folder.string(), name.string()));
   }
 }
 
-void check(const Checkpoint& checkpoint, const fs::path& folder, const Scene& scene) {
+void refuse_changed_results(const fs::path& folder, const std::string& change) {
+  if (change.empty()) return;
+  throw InputError(fmt::format(
+      "cannot resume in '{}': {}; put back what was there, or --force instead of --resume starts "
+      "the run anew",
+      folder.string(), change));
+}
+
+void check(const Checkpoint& checkpoint, const fs::path& folder, const Scene& scene,
+           const std::vector<HashedFile>& files) {
   const auto refuse = [&folder](const std::string& reason) {
     throw InputError(
         fmt::format("cannot resume from {}: {}", checkpoint_file(folder).string(), reason));
   };
-  if (checkpoint.scene != identity_of(scene)) refuse("it belongs to another scene");
+  if (checkpoint.scene != identity_of(scene.completed, files))
+    refuse("it belongs to another scene, or to other files that it names");
   if (checkpoint.step > scene.steps()) {
     refuse(fmt::format("it was written after step {}, the scene ends with step {}", checkpoint.step,
                        scene.steps()));
   }
-  std::error_code error;
-  const fs::path table = folder / "probes.csv";
-  const std::uintmax_t size = fs::file_size(table, error);
-  if (error || size < checkpoint.table_bytes) {
-    refuse(fmt::format(
-        "{} {}, the checkpoint needs {} bytes of it", table.string(),
-        error ? "cannot be read: " + error.message() : fmt::format("has {} bytes only", size),
-        checkpoint.table_bytes));
-  }
+  if (checkpoint.file("probes.csv") == nullptr) refuse("it does not know probes.csv");
+  for (const WrittenFile& written : checkpoint.files)
+    refuse_changed_results(folder, missing_from(folder, written));
 }
 
 }  // namespace
 
-Resumption look_for_run(const fs::path& folder, const Scene& scene) {
+Resumption look_for_run(const fs::path& folder, const Scene& scene, const Manifest& now) {
   Resumption found;
   check_run_directory(folder, true);
-  found.manifest = parsed(read_file(folder / "manifest.json"));
+  found.manifest = parsed(read_file(folder / kManifestFile));
   const Json status = found.manifest.is_object() ? found.manifest.value("status", Json()) : Json();
   const bool done = status == "done";
   found.planned = status == kPlanned;
   const std::optional<std::string> there = read_file(folder / "scene.json");
   if (there) {
-    refuse_other_scene(folder, *there, scene);
+    refuse_other_scene(folder, *there, scene, now.files());
   } else {
     refuse_other_files(folder);
   }
-  found.finished = done && there == scene.completed;
-  if (found.finished) return found;
+  found.finished = done && there == scene_text(scene, folder);
+  if (found.finished) {
+    refuse_changed_results(folder, now.difference(found.manifest));
+    refuse_changed_results(folder, damaged_result(folder, found.manifest));
+    return found;
+  }
   found.checkpoint = read_checkpoint(folder);
   if (found.checkpoint) {
-    check(*found.checkpoint, folder, scene);
+    refuse_changed_results(folder, now.difference(found.manifest));
+    check(*found.checkpoint, folder, scene, now.files());
   } else if (done) {
     throw InputError(
         fmt::format("cannot resume in '{}': it holds a finished run and no checkpoint.bin from "

@@ -9,6 +9,7 @@
 
 #include "scene/json.h"
 #include "simulation/checkpoint.h"
+#include "simulation/manifest.h"
 
 namespace deform {
 
@@ -20,8 +21,11 @@ struct Resumption {
 };
 
 /// Looks, changes nothing. Throws InputError naming file and reason where the folder holds
-/// something else than a run, the run of another scene, or a checkpoint that cannot be used.
-[[nodiscard]] Resumption look_for_run(const std::filesystem::path& folder, const Scene& scene);
+/// something else than a run, the run of another scene, what was made with another program, plugin
+/// or file (`now`: what it would be made with), a checkpoint that cannot be used, or files that are
+/// not what the run has written.
+[[nodiscard]] Resumption look_for_run(const std::filesystem::path& folder, const Scene& scene,
+                                      const Manifest& now);
 
 /// Removes the temporary files of writes that were cut off.
 void remove_half_written(const std::filesystem::path& folder);

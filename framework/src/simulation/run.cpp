@@ -1,43 +1,66 @@
 #include "deform/simulation/run.h"
 
 #include <chrono>
+#include <cmath>
 #include <cstddef>
 #include <exception>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "deform/log.h"
+#include "deform/simulation/remarks.h"
 
+#include "plugin/process_end.h"
 #include "profile/profile.h"
 #include "record/trajectory_writer.h"
 #include "scene/json.h"
 #include "simulation/checkpoint.h"
+#include "simulation/energy_guard.h"
 #include "simulation/files.h"
+#include "simulation/held_folder.h"
 #include "simulation/manifest.h"
 #include "simulation/memory_sections.h"
 #include "simulation/resumption.h"
 #include "simulation/run_directory.h"
 #include "simulation/run_log.h"
 #include "simulation/run_parts.h"
+#include "simulation/scene_files.h"
+#include "simulation/sha256.h"
+#include "simulation/step_watch.h"
 #include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 
 namespace deform {
 namespace {
 
-/// Where a checkpoint keeps how long the trajectory was.
-constexpr const char* kTrajectoryBytes = "trajectory/bytes";
+constexpr const char *kProbesFile = "probes.csv", *kSummaryFile = "summary.json";
+/// Where a checkpoint keeps the steps between frames.
+constexpr const char* kFrameInterval = "trajectory/interval";
+constexpr const char* kNothingWritten = "interrupted before the first step; nothing was written";
 /// What a profiled run leaves in its directory.
 constexpr const char *kProfileTable = "profile.txt", *kProfileTrace = "trace.json";
 
-std::size_t trajectory_bytes(const Checkpoint& checkpoint) {
-  const double bytes = checkpoint.memory.get(kTrajectoryBytes, 1).front();
-  if (!(bytes > 0 && bytes < 0x1p53)) throw InputError("its length of the trajectory is not one");
-  return static_cast<std::size_t>(bytes);
+/// Bytes of a file that a checkpoint goes on from.
+std::size_t bytes_of(const Checkpoint& checkpoint, const char* name) {
+  const WrittenFile* file = checkpoint.file(name);
+  if (file == nullptr || file->bytes == 0) throw InputError(fmt::format("it knows no {}", name));
+  return file->bytes;
+}
+
+/// A run that is prolonged keeps the interval that it began with: about a hundred frames of a
+/// longer run would lie farther apart.
+long frame_interval_of(const Checkpoint& checkpoint) {
+  constexpr double kMost = 0x1p53;
+  const double interval = checkpoint.memory.get(kFrameInterval, 1).front();
+  if (!(interval >= 1 && interval < kMost && interval == std::floor(interval)))
+    throw InputError("its steps between frames are no number of steps");
+  return static_cast<long>(interval);
 }
 
 /// One run from its first to its last file.
@@ -45,28 +68,41 @@ class Recording {
  public:
   /// Throws InputError when the scene or the checkpoint cannot be used; writes nothing.
   Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-            const RunOptions& options, Resumption found);
+            const RunOptions& options, Manifest manifest, Resumption found, HeldFolder held,
+            StepWatch& watch);
   RunResult execute();
 
  private:
   void load_checkpoint();
-  void prepare_folder();
+  void require_unchanged_files() const;
+  void begin_folder();
   void start();
   void open_trajectory();
   void step_to_end();
+  void step();
+  /// The step under way never ends: the directory is finished without it, and the process left.
+  void give_step_up();
   /// What comes between two steps. Returns whether there is a next one.
   [[nodiscard]] bool settle();
   void save_checkpoint();
+  void keep_checkpoint();
+  [[nodiscard]] Checkpoint make_checkpoint();
+  void write(const Checkpoint& checkpoint);
+  void end_within_step();
   void record(bool all_probes, bool all_outputs);
   [[nodiscard]] bool frame_due(long step) const;
   /// Calls action(frame); what it makes the System compute counts as output, not as the model's
   /// time.
   template <class Action>
   void apart_from_model(const Action& action);
+  template <class Action>
+  void apart_from_model(const Frame& frame, const Action& action);
   void end_with(ExitCode code, const std::string& reason);
   void end_with(const Error& error);
   void finish();
+  void close_files();
   void write_profile();
+  void keep_old_run();
   /// For what comes after the end: a failure counts only where there was none before.
   template <class Action>
   void and_also(const Action& action);
@@ -82,13 +118,25 @@ class Recording {
   const Scene& scene_;
   const RunOptions& options_;
   std::filesystem::path folder_;
+  HeldFolder held_;
+  Manifest manifest_;
   Resumption found_;
   RunParts parts_;
   std::optional<RunContext> context_;
-  Manifest manifest_;
+  std::optional<RunLog> log_;
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Profile> profile_;
   CheckpointSchedule schedule_;
+  EnergyGuard energy_guard_;
+  StepWatch& watch_;
+  /// What to go on from if the step under way is thrown away; of long steps alone.
+  std::optional<Checkpoint> before_step_;
+  std::chrono::steady_clock::duration last_step_{0};
+  std::optional<std::chrono::steady_clock::time_point> stepping_since_;
+  StepTimes times_before_step_;  // the step that is given up may still write the System's
+  bool gave_step_up_ = false;
+  std::optional<LastNote> last_note_;
+  long frame_interval_;
   long checkpoint_step_ = -1;  // of the checkpoint in the folder
   std::optional<Diverged> divergence_;
   RunResult result_;
@@ -96,14 +144,21 @@ class Recording {
 };
 
 Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
-                     const RunOptions& options, Resumption found)
+                     const RunOptions& options, Manifest manifest, Resumption found,
+                     HeldFolder held, StepWatch& watch)
     : scene_(scene),
       options_(options),
       folder_(std::filesystem::absolute(options.folder)),
+      held_(std::move(held)),
+      manifest_(std::move(manifest)),
       found_(std::move(found)),
       parts_(make_run_parts(scene, registry)),
-      manifest_(scene, *registry, options),
-      schedule_(scene) {
+      schedule_(scene),
+      energy_guard_(parts_.simulation->system(), parts_.simulation->integrator()),
+      watch_(watch),
+      frame_interval_(scene.frame_interval()) {
+  parts_.simulation->stop_when(&watch_.stop());
+  require_unchanged_files();
   context_.emplace(make_run_context(parts_, folder_));
   if (found_.checkpoint) context_->resumed_at = found_.checkpoint->step;
   begin_probes(parts_, *context_);  // may still reject the scene, so comes before the folder
@@ -118,7 +173,10 @@ void Recording::load_checkpoint() {
     if (parts_.simulation->steps() != checkpoint.step)
       throw InputError("its numbers of steps are two");
     parts_.probes->load(checkpoint.memory);
-    if (scene_.frames_written) (void)trajectory_bytes(checkpoint);
+    if (scene_.frames_written) {
+      (void)bytes_of(checkpoint, kTrajectoryFile);
+      if (scene_.frames_every == 0) frame_interval_ = frame_interval_of(checkpoint);
+    }
   } catch (const InputError& e) {
     throw InputError(
         fmt::format("cannot resume from {}: {}", checkpoint_file(folder_).string(), e.what()));
@@ -126,70 +184,143 @@ void Recording::load_checkpoint() {
   checkpoint_step_ = result_.resumed_after = checkpoint.step;
 }
 
-void Recording::prepare_folder() {
-  if (found_.checkpoint) {
-    remove_half_written(folder_);
-  } else {
-    make_run_directory(folder_);
+/// What the manifest says of the files must hold for what the parts were made of.
+void Recording::require_unchanged_files() const {
+  const std::vector<HashedFile> now = hashed_files(scene_);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    if (now[i].sha256 != manifest_.files()[i].sha256)
+      throw InputError({{now[i].pointer, fmt::format("{} changed while it was read: run it again",
+                                                     now[i].path.string())}});
   }
-  manifest_.write(folder_);  // first: from here on the folder is known as one of ours
+}
+
+/// Throws where nothing can be written; an old run is then still there.
+void Recording::begin_folder() {
+  try {
+    if (found_.checkpoint)
+      remove_half_written(folder_);
+    else
+      held_.begin_anew();
+    manifest_.write(folder_);  // first: from here on the folder is known as one of ours
+    log_.emplace(folder_ / "log.txt", found_.checkpoint.has_value());
+  } catch (...) {
+    (void)held_.give_old_back();
+    throw;
+  }
 }
 
 RunResult Recording::execute() {
-  prepare_folder();
-  const RunLog log(folder_ / "log.txt", found_.checkpoint.has_value());
+  begin_folder();
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
+  for (const Problem& remark : remarks(scene_)) log::warn(remark.message);
   if (found_.checkpoint) {
     log::info(fmt::format("resumed after step {}", checkpoint_step_));
-    manifest_.resume(checkpoint_step_, found_.manifest);
+    manifest_.resume(checkpoint_step_);
     manifest_.write(folder_);
+    if (frame_interval_ != scene_.frame_interval())
+      log::info(fmt::format("frames go on every {} steps, as the run began", frame_interval_));
   } else if (options_.resume && !found_.planned) {
     log::warn(fmt::format("there is no checkpoint in {}: the run starts anew", folder_.string()));
   }
   for (const Problem& remark : remarks_on(parts_)) log::warn(remark.message);
-  write_atomically(folder_ / "scene.json", scene_.completed);
+  const auto [before, after] = manifest_.if_process_ends();
+  last_note_.emplace(folder_ / kManifestFile, before, after);
   try {
+    write_atomically(folder_ / "scene.json", scene_text(scene_, folder_));
     for (const std::string& note : parts_.simulation->system().notes()) log::info(note);
     start();
     const Profile::Active active(profile_ ? &*profile_ : nullptr);
-    const Stopwatch watch(result_.stepping_seconds, "run");
+    const Span span("run");
+    parts_.simulation->system().times() = {};
+    stepping_since_ = std::chrono::steady_clock::now();
     step_to_end();
   } catch (const Diverged& e) {
     divergence_ = e;
     end_with(e);
   } catch (const Error& e) {
-    end_with(e);
+    if (e.code() == ExitCode::interrupted)
+      end_within_step();
+    else
+      end_with(e);
   } catch (const std::exception& e) {
     end_with(ExitCode::internal_error, e.what());
   }
   finish();
+  keep_old_run();
   return std::move(result_);
 }
 
+/// Where the new run ended before its first step, and there is an old one.
+void Recording::keep_old_run() {
+  if (!held_.give_old_back()) return;
+  result_.kept_old_run = true;
+  result_.reason += fmt::format("; the run that was in '{}' stays", options_.folder.string());
+}
+
 void Recording::start() {
-  parts_.probes->open(folder_ / "probes.csv",
-                      found_.checkpoint ? found_.checkpoint->table_bytes : 0);
+  parts_.probes->open(folder_ / kProbesFile,
+                      found_.checkpoint ? bytes_of(*found_.checkpoint, kProbesFile) : 0);
   if (scene_.frames_written) open_trajectory();
   parts_.outputs->begin(*context_);
   if (found_.checkpoint) parts_.outputs->load(found_.checkpoint->memory);
 }
 
 void Recording::open_trajectory() {
-  const std::size_t keep = found_.checkpoint ? trajectory_bytes(*found_.checkpoint) : 0;
+  const std::size_t keep = found_.checkpoint ? bytes_of(*found_.checkpoint, kTrajectoryFile) : 0;
   Simulation& simulation = *parts_.simulation;
   trajectory_.emplace(folder_ / kTrajectoryFile, simulation.system(), simulation.size(), keep);
 }
 
 void Recording::step_to_end() {
-  Simulation& simulation = *parts_.simulation;
   while (settle()) {
-    simulation.step();
-    if (!parts_.probes->none()) {
-      apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
-    }
+    const auto begun = std::chrono::steady_clock::now();
+    step();
+    last_step_ = std::chrono::steady_clock::now() - begun;
+    held_.drop_old();
     if (profile_) profile_->end_step();
-    if (options_.progress) options_.progress(simulation.steps(), scene_.steps());
+    if (options_.progress) options_.progress(parts_.simulation->steps(), scene_.steps());
   }
+}
+
+void Recording::step() {
+  const std::function<void()> give_up = [this] { give_step_up(); };
+  const StepWatch::Span watched(watch_, give_up);
+  times_before_step_ = parts_.simulation->system().times();
+  const bool watches = energy_guard_.watches(parts_.simulation->steps());
+  if (parts_.probes->none() && !watches) return parts_.simulation->step();
+  if (watches) apart_from_model([this](const Frame& frame) { energy_guard_.begin(frame); });
+  parts_.simulation->step([&](const Frame& at_break) {
+    apart_from_model(at_break, [&] {
+      if (watches) energy_guard_.at_break(at_break);
+      parts_.probes->follow_break(at_break);
+    });
+  });
+  apart_from_model([&](const Frame& frame) {
+    if (watches) energy_guard_.end(frame);
+    parts_.probes->follow(frame);
+  });
+}
+
+void Recording::give_step_up() {
+  if (!options_.abandon) return;
+  gave_step_up_ = true;
+  end_within_step();
+  finish();
+  keep_old_run();
+  options_.abandon(result_);
+}
+
+/// The state is no longer, or not yet, one that a checkpoint could be made of.
+void Recording::end_within_step() {
+  and_also([this] {
+    if (before_step_) write(*before_step_);
+  });
+  end_with(ExitCode::interrupted,
+           fmt::format("interrupted within step {} of {}, which is thrown away; {}",
+                       parts_.simulation->steps() + 1, scene_.steps(),
+                       checkpoint_step_ >= 0
+                           ? fmt::format("--resume goes on after step {}", checkpoint_step_)
+                           : "there is no checkpoint yet"));
 }
 
 bool Recording::settle() {
@@ -198,6 +329,7 @@ bool Recording::settle() {
   const bool stop = !last && interrupted();
   // Before the recording: see Checkpoint. The last one serves who prolongs the run.
   if (last || stop || schedule_.due(step)) save_checkpoint();
+  keep_checkpoint();
   // A row too many goes when the run is resumed; a frame's files would stay.
   record(last || stop, last);
   if (stop) {
@@ -209,20 +341,38 @@ bool Recording::settle() {
 }
 
 void Recording::save_checkpoint() {
+  if (checkpoint_step_ == parts_.simulation->steps()) return;
+  const Stopwatch watch(parts_.simulation->system().times().output, "checkpoint");
+  write(make_checkpoint());
+}
+
+/// Long steps alone are thrown away, and next to them this costs nothing.
+void Recording::keep_checkpoint() {
+  before_step_.reset();
+  if (last_step_ <= StepWatch::kPatience || checkpoint_step_ == parts_.simulation->steps()) return;
+  const Stopwatch watch(parts_.simulation->system().times().output, "checkpoint");
+  before_step_ = make_checkpoint();
+}
+
+Checkpoint Recording::make_checkpoint() {
   Simulation& simulation = *parts_.simulation;
-  if (checkpoint_step_ == simulation.steps()) return;
-  const Stopwatch watch(simulation.system().times().output, "checkpoint");
   writing_.drain();  // files of earlier steps are there before what relies on them
   Checkpoint checkpoint;
-  checkpoint.scene = identity_of(scene_);
+  checkpoint.scene = identity_of(scene_.completed, manifest_.files());
   checkpoint.step = simulation.steps();
-  checkpoint.table_bytes = parts_.probes->sync();  // on disk before what relies on it
+  checkpoint.files = parts_.outputs->files(folder_);
+  checkpoint.files.push_back(parts_.probes->sync());  // on disk before what relies on it
   save_section(simulation, "simulation", checkpoint.memory);
   parts_.probes->save(checkpoint.memory);
   parts_.outputs->save(checkpoint.memory);
   if (trajectory_) {
-    checkpoint.memory.put(kTrajectoryBytes, {static_cast<double>(trajectory_->sync())});
+    checkpoint.files.push_back(trajectory_->sync());
+    checkpoint.memory.put(kFrameInterval, {static_cast<double>(frame_interval_)});
   }
+  return checkpoint;
+}
+
+void Recording::write(const Checkpoint& checkpoint) {
   write_checkpoint(folder_, checkpoint);
   checkpoint_step_ = checkpoint.step;
   schedule_.restart();
@@ -231,10 +381,15 @@ void Recording::save_checkpoint() {
 template <class Action>
 void Recording::apart_from_model(const Action& action) {
   const Frame frame = parts_.simulation->frame();
+  apart_from_model(frame, [&] { action(frame); });
+}
+
+template <class Action>
+void Recording::apart_from_model(const Frame& frame, const Action& action) {
   const StepTimes model = frame.system.times();
   const double before = seconds();
   try {
-    action(frame);
+    action();
   } catch (const NotFinite& e) {
     throw e.at_step(frame.step, "recording");
   }
@@ -243,7 +398,7 @@ void Recording::apart_from_model(const Action& action) {
 }
 
 bool Recording::frame_due(long step) const {
-  return trajectory_.has_value() && step % scene_.frame_interval() == 0;
+  return trajectory_.has_value() && step % frame_interval_ == 0;
 }
 
 void Recording::record(bool all_probes, bool all_outputs) {
@@ -299,27 +454,44 @@ void Recording::finish() {
   if (divergence_ && divergence_->step() > parts_.simulation->steps()) {
     and_also([this] { record(true, true); });  // the last good state
   }
+  if (stepping_since_) {
+    const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - *stepping_since_;
+    result_.stepping_seconds = whole.count();
+  }
   and_also([this] { writing_.drain(); });
   and_also([this] { parts_.outputs->end(); });
-  if (profile_) and_also([this] { write_profile(); });
+  if (profile_ && !gave_step_up_) and_also([this] { write_profile(); });
+  close_files();
 
   Simulation& simulation = *parts_.simulation;
   result_.steps = simulation.steps();
-  result_.times = simulation.system().times();
+  result_.times = gave_step_up_ ? times_before_step_ : simulation.system().times();
   result_.times.steps = simulation.steps() - result_.resumed_after;
   const auto& columns = parts_.probes->columns();
   for (std::size_t i = 0; i < columns.size(); ++i) {
     result_.figures.emplace_back(header_of(columns[i]), parts_.probes->summaries()[i].last);
   }
   and_also([this] {
-    write_atomically(folder_ / "summary.json",
-                     summary().dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+    const std::string text = summary().dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+    write_atomically(folder_ / kSummaryFile, text);
+    manifest_.add_result({kSummaryFile, text.size(), sha256_of(text)});
   });
   result_.wall_seconds = seconds();
   log::info(fmt::format("{} after {} steps and {:.3f} s", status_of(result_.code), result_.steps,
                         result_.wall_seconds));
+  last_note_.reset();
+  and_also([this] { log_->close(); });
   manifest_.finish(result_, simulation.system().solver_choice());
   and_also([this] { manifest_.write(folder_); });
+}
+
+void Recording::close_files() {
+  and_also([this] {
+    if (const auto table = parts_.probes->close()) manifest_.add_result(*table);
+  });
+  and_also([this] {
+    if (trajectory_) manifest_.add_result(trajectory_->close());
+  });
 }
 
 void Recording::write_profile() {
@@ -365,14 +537,31 @@ RunResult already_finished(const Scene& scene, const std::filesystem::path& fold
 
 RunResult run(const Scene& scene, std::shared_ptr<const PluginRegistry> registry,
               const RunOptions& options) {
+  HeldFolder held(options.folder, options.resume  ? FolderUse::resumed
+                                  : options.force ? FolderUse::replaced
+                                                  : FolderUse::made);
+  Manifest manifest(scene, *registry, options);
   Resumption found;
   if (options.resume) {
-    found = look_for_run(options.folder, scene);
+    found = look_for_run(options.folder, scene, manifest);
     if (found.finished) return already_finished(scene, options.folder);
-  } else {
-    check_run_directory(options.folder, options.force);
   }
-  return Recording(scene, std::move(registry), options, std::move(found)).execute();
+  StepWatch watch(options.interrupted);
+  std::optional<Recording> recording;
+  {
+    const std::function<void()> give_up = [&options] {
+      RunResult result;
+      result.code = ExitCode::interrupted;
+      result.reason = kNothingWritten;
+      if (options.abandon) options.abandon(result);
+    };
+    const StepWatch::Span watched(watch, give_up);
+    recording.emplace(scene, std::move(registry), options, std::move(manifest), std::move(found),
+                      std::move(held), watch);
+  }
+  if (options.interrupted != nullptr && options.interrupted->load())
+    throw Error(ExitCode::interrupted, kNothingWritten);
+  return recording->execute();
 }
 
 }  // namespace deform

@@ -9,13 +9,13 @@
 #include "deform/error.h"
 
 #include "scene/json.h"
+#include "simulation/folder_lock.h"
+#include "simulation/old_run.h"
 
 namespace deform {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kManifest = "manifest.json";
 
 void remove_tree(const fs::path& entry) {
   std::error_code error;
@@ -26,30 +26,34 @@ void remove_tree(const fs::path& entry) {
   }
 }
 
-/// True also where a run was killed while it wrote its first file.
-bool holds_nothing(const fs::path& folder, std::error_code& error) {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().filename() != std::string(kManifest) + ".part") return false;
-  }
-  return true;
-}
-
 /// The manifest goes last: a folder that was emptied only half is still known as one of ours.
 void empty(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.path().filename() != kManifest) remove_tree(entry.path());
+    const fs::path name = entry.path().filename();
+    if (name != kManifestFile && name != kLockFile) remove_tree(entry.path());
   }
-  remove_tree(folder / kManifest);
+  remove_tree(folder / kManifestFile);
 }
 
 }  // namespace
 
 bool has_manifest(const fs::path& folder) {
-  std::ifstream in(folder / kManifest);
+  std::ifstream in(folder / kManifestFile);
   if (!in) return false;
   const Json manifest = Json::parse(in, nullptr, false);
   return manifest.is_object() && manifest.contains("program") && manifest["program"].is_string() &&
          manifest["program"] == "deform";
+}
+
+bool holds_nothing(const fs::path& folder) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const fs::path name = entry.path().filename();
+    if (name != std::string(kManifestFile) + ".part" && name != kLockFile) return false;
+  }
+  if (error)
+    throw InputError(fmt::format("cannot look into '{}': {}", folder.string(), error.message()));
+  return true;
 }
 
 void check_run_directory(const fs::path& folder, bool force) {
@@ -68,11 +72,7 @@ void check_run_directory(const fs::path& folder, bool force) {
     throw InputError(
         fmt::format("'{}' exists; --force replaces it, --out names another", folder.string()));
   }
-  const bool is_empty = holds_nothing(folder, error);
-  if (error) {
-    throw InputError(fmt::format("cannot look into '{}': {}", folder.string(), error.message()));
-  }
-  if (!is_empty && !has_manifest(folder)) {
+  if (!holds_nothing(folder) && !has_manifest(folder) && !has_old_run(folder)) {
     throw InputError(fmt::format(
         "'{}' is not replaced even with --force: it holds no manifest.json of deform, so it is not "
         "a run directory",

@@ -5,6 +5,9 @@
 
 namespace deform {
 
+/// By it a folder is known as one of deform's.
+inline constexpr const char* kManifestFile = "manifest.json";
+
 /// Throws InputError when a run must not be recorded there: something is there and `force` is
 /// false, or what is there is neither an empty folder nor one that deform made. Changes nothing.
 void check_run_directory(const std::filesystem::path& folder, bool force);
@@ -12,6 +15,10 @@ void check_run_directory(const std::filesystem::path& folder, bool force);
 /// Makes the folder, with its parents; empties it when it is there (check_run_directory comes
 /// first). Throws Error when it cannot be made or emptied.
 void make_run_directory(const std::filesystem::path& folder);
+
+/// True where a folder has nothing in it but its lock, or what a run that was killed while it wrote
+/// its first file has left. Throws InputError when one cannot look into it.
+[[nodiscard]] bool holds_nothing(const std::filesystem::path& folder);
 
 /// True for a folder with a manifest.json that deform wrote.
 [[nodiscard]] bool has_manifest(const std::filesystem::path& folder);

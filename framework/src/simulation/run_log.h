@@ -4,10 +4,6 @@
 #include <filesystem>
 #include <memory>
 
-namespace spdlog::sinks {
-class sink;
-}
-
 namespace deform {
 
 /// Copies what is logged to a file as long as it lives. Make and destroy it while no other thread
@@ -20,8 +16,14 @@ class RunLog {
   RunLog(const RunLog&) = delete;
   RunLog& operator=(const RunLog&) = delete;
 
+  /// Ends the file. Throws Error naming it and the cause when not all was written.
+  void close();
+
  private:
-  std::shared_ptr<spdlog::sinks::sink> sink_;
+  class Sink;
+  void leave();
+
+  std::shared_ptr<Sink> sink_;
 };
 
 }  // namespace deform

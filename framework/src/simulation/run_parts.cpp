@@ -1,6 +1,5 @@
 #include "simulation/run_parts.h"
 
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,7 +27,8 @@ RunParts make_run_parts(const Scene& scene, const std::shared_ptr<const PluginRe
     maker.add(e.problems());
   }
   if (surface != nullptr) {
-    const Setup setup = maker.setup(*surface, surface->rest());
+    const NodeValues areas = areas_of_mass(*surface, scene.material);
+    const Setup setup = maker.setup(*surface, surface->rest(), areas);
     parts.probes.emplace(scene.probes, maker, setup);
     add_shadows(scene, *registry, maker, setup, *parts.probes);
     parts.outputs.emplace(scene.outputs, maker, setup);
@@ -62,7 +62,8 @@ std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginReg
   if (scene.surface.parameters == nullptr) return {};
   PartMaker maker(scene, {std::shared_ptr<const PluginRegistry>(), &registry});
   if (const auto surface = maker.make<Surface>(scene.surface, maker.setup())) {
-    const Setup setup = maker.setup(*surface->object, surface->object->rest());
+    const NodeValues areas = areas_of_mass(*surface->object, scene.material);
+    const Setup setup = maker.setup(*surface->object, surface->object->rest(), areas);
     (void)maker.make_all<EnergyTerm>(scene.energies, setup);
     (void)maker.make_all<ForceField>(scene.forces, setup);
     (void)maker.make_all<Constraint>(scene.constraints, setup);
@@ -75,28 +76,9 @@ std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginReg
   return maker.problems();
 }
 
-std::vector<Problem> remarks_on(const Scene& scene) {
-  std::vector<Problem> remarks;
-  // Of a step: far more than rounding makes of the quotient, far less than anybody means.
-  constexpr double kRounding = 1e-6;
-  const auto steps = static_cast<double>(scene.steps());
-  if (std::abs(scene.duration / scene.step - steps) > kRounding)
-    remarks.push_back(scene.located(
-        {"/duration",
-         fmt::format("{} s is no whole number of steps of {} s: {} are run, to {:.6g} s",
-                     scene.duration, scene.step, steps, steps * scene.step)}));
-  for (const std::string& pointer : scene.dropped)
-    remarks.push_back(scene.located(
-        {pointer,
-         fmt::format("at {}: dropped, as the plugin put in has no such parameter", pointer)}));
-  for (const Problem& problem : scene.elsewhere)
-    remarks.push_back({problem.pointer, problem.message + " (not needed for this run)"});
-  return remarks;
-}
-
 std::vector<Problem> remarks_on(const RunParts& parts) {
   const Scene& scene = parts.simulation->scene();
-  std::vector<Problem> remarks = remarks_on(scene);
+  std::vector<Problem> remarks;
   if (parts.simulation->integrator().lags_coefficients()) return remarks;
   const auto remark = [&](const std::string& pointer) {
     remarks.push_back(scene.located(

@@ -1,9 +1,9 @@
 #include "simulation/sha256.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <fstream>
-#include <memory>
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
@@ -13,58 +13,78 @@
 namespace deform {
 namespace {
 
-/// A hash that grows; `of` is what it is the hash of, for messages.
-class Digest {
- public:
-  explicit Digest(std::string of) : of_(std::move(of)), context_(EVP_MD_CTX_new()) {
-    require(context_ && EVP_DigestInit_ex(context_.get(), EVP_sha256(), nullptr) == 1,
-            "no SHA-256 in this OpenSSL");
-  }
+void require(bool done, const std::string& what) {
+  if (!done) throw Error(ExitCode::internal_error, fmt::format("cannot compute a hash: {}", what));
+}
 
-  void require(bool done, const char* what) const {
-    if (done) return;
-    throw Error(ExitCode::internal_error,
-                fmt::format("cannot compute the hash of {}: {}", of_, what));
-  }
-  void add(const char* bytes, std::size_t count) {
-    require(EVP_DigestUpdate(context_.get(), bytes, count) == 1, "digest failed");
-  }
-  [[nodiscard]] std::string text() {
-    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-    unsigned int size = 0;
-    require(EVP_DigestFinal_ex(context_.get(), digest.data(), &size) == 1, "digest failed");
-    std::string text;
-    for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
-    return text;
-  }
+[[noreturn]] void fail(const std::filesystem::path& file, const char* why) {
+  throw Error(ExitCode::internal_error,
+              fmt::format("cannot compute the hash of {}: {}", file.string(), why));
+}
 
- private:
-  struct FreeContext {
-    void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
-  };
-  std::string of_;
-  std::unique_ptr<EVP_MD_CTX, FreeContext> context_;
+struct FreeContext {
+  void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
 };
+using OwnedContext = std::unique_ptr<EVP_MD_CTX, FreeContext>;
 
 }  // namespace
 
-std::string sha256_of_file(const std::filesystem::path& file) {
-  Digest digest(file.string());
+struct Sha256::Context {
+  OwnedContext state{EVP_MD_CTX_new()};
+};
+
+Sha256::Sha256() : context_(std::make_unique<Context>()) {
+  EVP_MD_CTX* const state = context_->state.get();
+  require(state != nullptr && EVP_DigestInit_ex(state, EVP_sha256(), nullptr) == 1,
+          "no SHA-256 in this OpenSSL");
+}
+Sha256::~Sha256() = default;
+Sha256::Sha256(Sha256&&) noexcept = default;
+Sha256& Sha256::operator=(Sha256&&) noexcept = default;
+
+void Sha256::add(std::string_view bytes) {
+  require(EVP_DigestUpdate(context_->state.get(), bytes.data(), bytes.size()) == 1,
+          "digest failed");
+}
+
+std::string Sha256::digits() const {
+  const OwnedContext ended(EVP_MD_CTX_new());  // what comes later goes on from the state
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+  unsigned int size = 0;
+  require(ended && EVP_MD_CTX_copy_ex(ended.get(), context_->state.get()) == 1 &&
+              EVP_DigestFinal_ex(ended.get(), digest.data(), &size) == 1,
+          "digest failed");
+  std::string text;
+  for (unsigned int i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
+  return text;
+}
+
+std::uintmax_t add_file(Sha256& hash, const std::filesystem::path& file, std::uintmax_t most) {
   std::ifstream in(file, std::ios::binary);
-  digest.require(in.is_open(), "it cannot be opened");
+  if (!in.is_open()) fail(file, "it cannot be opened");
   std::array<char, 1U << 16U> buffer{};
-  while (in) {
-    in.read(buffer.data(), buffer.size());
-    digest.add(buffer.data(), static_cast<std::size_t>(in.gcount()));
+  std::uintmax_t done = 0;
+  while (in && done < most) {
+    in.read(buffer.data(),
+            static_cast<std::streamsize>(std::min<std::uintmax_t>(buffer.size(), most - done)));
+    const auto count = static_cast<std::size_t>(in.gcount());
+    hash.add({buffer.data(), count});
+    done += count;
   }
-  digest.require(!in.bad() && in.eof(), "it cannot be read");
-  return digest.text();
+  if (in.bad() || (!in && !in.eof())) fail(file, "it cannot be read");
+  return done;
+}
+
+std::string sha256_of_file(const std::filesystem::path& file) {
+  Sha256 hash;
+  (void)add_file(hash, file);
+  return hash.digits();
 }
 
 std::string sha256_of(std::string_view bytes) {
-  Digest digest("bytes in memory");
-  digest.add(bytes.data(), bytes.size());
-  return digest.text();
+  Sha256 hash;
+  hash.add(bytes);
+  return hash.digits();
 }
 
 }  // namespace deform

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -17,9 +18,12 @@
 #include "profile/profile.h"
 #include "simulation/compound_terms.h"
 #include "simulation/initial_velocity.h"
+#include "simulation/masses.h"
 #include "simulation/memory_sections.h"
 #include "simulation/part_maker.h"
 #include "simulation/report_memory.h"
+#include "simulation/selection_remarks.h"
+#include "simulation/solver_check.h"
 #include "simulation/solver_uses.h"
 #include "solve/not_finite.h"
 
@@ -50,6 +54,12 @@ class MirrorImage final : public CompanionRun {
 /// A double counts no further.
 constexpr double kMostSteps = 9007199254740992;  // 2^53
 
+/// Times of one step that are nearer to each other count as one: parts of a step that are much
+/// shorter than it have velocities of few digits, and times late in a run few digits themselves.
+double rounding_of_time(double end, double step) {
+  return std::max(1e-9 * step, 16 * std::numeric_limits<double>::epsilon() * std::abs(end));
+}
+
 /// Reflection at z = 0.
 NodeVectors reflected(NodeVectors v) {
   v.col(2) = -v.col(2);
@@ -63,6 +73,14 @@ NodeVectors unflattened(const Memory& memory, const std::string& name, Index nod
   NodeVectors v = Eigen::Map<const NodeVectors>(values.data(), nodes, 3);
   if (!v.allFinite()) throw InputError("the checkpoint's \"" + name + "\" is not finite");
   return v;
+}
+
+/// Velocities whose energy overflows are no state to begin with.
+void require_finite_energy(const NodeVectors& v, const NodeValues& mass) {
+  if (std::isfinite(v.rowwise().squaredNorm().dot(mass))) return;
+  throw InputError({{"/velocity", fmt::format("at /velocity: velocities of up to {:.3g} m/s, whose "
+                                              "kinetic energy no number holds",
+                                              v.cwiseAbs().maxCoeff())}});
 }
 
 }  // namespace
@@ -80,11 +98,15 @@ struct Simulation::Impl {
   [[nodiscard]] std::vector<Body> make_bodies(PartMaker& maker, const Setup& setup) const;
   [[nodiscard]] std::function<std::vector<Named<LinearSolver>>()> solver_factory(
       PartMaker& maker, const std::shared_ptr<Surface>& surface);
-  void choose_solver();
+  void check_solver(const SolverQueue::MakeSolvers& make_solvers);
   void measure_rest();
   void set_initial_state();
-  void advance();
-  void collide();
+  void advance_by_parts(const AtBreak& at_break);
+  void advance_smoothly(double step);
+  void advance(double step);
+  void collide(const NodeVectors& begin, double step);
+  void report_parts(long parts, double shortest, double longest);
+  [[nodiscard]] Frame frame(double step);
   void check_state();
   [[noreturn]] void throw_not_finite();
   [[noreturn]] void throw_out_of_bounds(Index node);
@@ -104,11 +126,15 @@ struct Simulation::Impl {
 
   std::vector<Keeper> keepers;
   Named<Integrator> integrator;
-  NodeVectors rest;  // of this world; outlives the objects that saw it in their Setup
+  // Of this world; outlive the objects that saw them in their Setup.
+  NodeVectors rest;
+  NodeValues areas;
   std::unique_ptr<System> system;
 
   Vec3 centroid = Vec3::Zero();  // of the rest state
   double size = 0;
+
+  const std::atomic<bool>* stop = nullptr;  // of a step; see stop_when
 
   State state;
   State before;   // the last step: what previous_geometry is of
@@ -122,18 +148,22 @@ void Simulation::Impl::make_system() {
   maker.throw_problems();  // nothing else can be made without a surface
 
   rest = mirrored ? reflected(surface->object->rest()) : surface->object->rest();
-  const Setup setup = maker.setup(*surface->object, rest);
+  areas = areas_of_mass(*surface->object, scene.material);
+  check_areas(scene, areas, maker);
+  const Setup setup = maker.setup(*surface->object, rest, areas);
   // The System reflects forces and constraints as a whole: these see the world as the scene
   // describes it.
-  const Setup unmirrored = maker.setup(*surface->object, surface->object->rest());
+  const Setup unmirrored = maker.setup(*surface->object, surface->object->rest(), areas);
 
   ModelParts parts;
   parts.surface = surface->object;
   parts.rest = rest;
-  parts.mass = scene.material.density * surface->object->areas();
-  parts.damping = (scene.material.damping + scene.material.rayleigh_mass * scene.material.density) *
-                  surface->object->areas();
+  parts.areas = areas;
   make_energies(maker, setup, parts);
+  const NodeValues density = densities(scene, areas.size(), parts.energies, maker, !mirrored);
+  parts.mass = density.cwiseProduct(areas);
+  parts.damping =
+      (scene.material.damping + scene.material.rayleigh_mass * density.array()) * areas.array();
   parts.forces = maker.make_all<ForceField>(scene.forces, unmirrored);
   parts.constraints = maker.make_all<Constraint>(scene.constraints, unmirrored);
   parts.mirrored = mirrored;
@@ -141,6 +171,7 @@ void Simulation::Impl::make_system() {
   auto made_integrator = maker.make<Integrator>(scene.integrator, setup);
   parts.make_solvers = solver_factory(maker, surface->object);
   maker.throw_problems();
+  if (!mirrored) warn_of_selections(scene, *surface->object);
 
   integrator = *made_integrator;
   keep<Surface>(PluginKind::surface, {*surface});
@@ -150,8 +181,9 @@ void Simulation::Impl::make_system() {
   keep(PluginKind::constraint, parts.constraints);
   for (const Body& body : parts.bodies) keep<Collider>(PluginKind::collider, {body.collider});
   keep<Integrator>(PluginKind::integrator, {integrator});
+  const auto make_solvers = parts.make_solvers;
   system = std::make_unique<System>(std::move(parts));
-  if (scene.solver) choose_solver();
+  if (scene.solver) check_solver(make_solvers);
 }
 
 /// Energies and their retardation times. A term without a potential has no stiffness that damping
@@ -187,7 +219,9 @@ std::vector<Body> Simulation::Impl::make_bodies(PartMaker& maker, const Setup& s
 
 /// Whether the solver that the scene names takes the matrix is a question of the scene: it is asked
 /// now, not within the first step.
-void Simulation::Impl::choose_solver() {
+void Simulation::Impl::check_solver(const SolverQueue::MakeSolvers& make_solvers) {
+  if (integrator.object->solves() != Integrator::Solves::lagged)
+    return require_solver(scene, *registry, *system, *integrator.object, make_solvers);
   try {
     system->choose_solver();
   } catch (const InputError& e) {
@@ -203,7 +237,7 @@ std::function<std::vector<Named<LinearSolver>>()> Simulation::Impl::solver_facto
     for (const std::string& reason : solvers.left_out) log::warn(reason);
   }
   const auto make = [this, surface, uses = std::move(solvers.uses)](PartMaker& by) {
-    return by.make_all<LinearSolver>(uses, by.setup(*surface, rest));
+    return by.make_all<LinearSolver>(uses, by.setup(*surface, rest, areas));
   };
   (void)make(maker);  // problems must show now, not when the System first needs a solver
   return [this, make] {
@@ -236,15 +270,52 @@ void Simulation::Impl::set_initial_state() {
     }
   }
   system->follow_ties_of_velocity(state.v);
+  require_finite_energy(state.v, system->mass());
   before = earlier = state;
   system->begin_step(state);
 }
 
-void Simulation::Impl::advance() {
+/// From one time at which the model is not smooth to the next.
+void Simulation::Impl::advance_by_parts(const AtBreak& at_break) {
+  const double end = state.time + scene.step, rounding = rounding_of_time(end, scene.step);
+  const bool is_static = integrator.object->is_static();
+  double longest = 0, shortest = scene.step;
+  for (long parts = 1;; ++parts) {
+    const double begin = state.time,
+                 next = is_static ? kInfinity : system->next_break(begin + rounding);
+    const bool is_last = next >= end - rounding;
+    const double part = is_last ? (parts == 1 ? scene.step : end - begin) : next - begin;
+    advance_smoothly(part);
+    if (next <= end + rounding)
+      guarded(integrator.origin, "starting anew", [this] { integrator.object->restart(); });
+    longest = std::max(longest, part), shortest = std::min(shortest, part);
+    if (is_last) return report_parts(parts, shortest, longest);
+    state.time = next;
+    if (at_break) at_break(frame(part));
+  }
+}
+
+/// Unless the integrator has said what parts it took.
+void Simulation::Impl::report_parts(long parts, double shortest, double longest) {
+  StepReport& report = system->step_report();
+  if (parts == 1 || report.largest > 0) return;
+  report.substeps = parts;
+  report.smallest = shortest, report.largest = longest;
+}
+
+void Simulation::Impl::advance_smoothly(double step) {
+  const bool collides = system->colliders() > 0 && !integrator.object->resolves_contacts();
+  const NodeVectors begin = collides ? state.r : NodeVectors();
+  advance(step);
+  check_state();
+  if (collides) collide(begin, step);
+}
+
+void Simulation::Impl::advance(double step) {
   const Span span(integrator.name);
   try {
     guarded(integrator.origin, "taking a step",
-            [this] { integrator.object->advance(*system, state, scene.step); });
+            [&] { integrator.object->advance(*system, state, step); });
   } catch (const Diverged&) {
     throw;
   } catch (const NotFinite& e) {
@@ -258,10 +329,10 @@ void Simulation::Impl::advance() {
   }
 }
 
-void Simulation::Impl::collide() {
+void Simulation::Impl::collide(const NodeVectors& begin, double step) {
   const Span span("collision");
   try {
-    system->collide(before.r, scene.step, state);
+    system->collide(begin, step, state);
   } catch (const NotFinite& e) {
     throw e.at_step(steps + 1, "colliders");
   }
@@ -323,22 +394,25 @@ Simulation::Simulation(Scene scene, std::shared_ptr<const PluginRegistry> regist
 
 Simulation::~Simulation() = default;
 
-void Simulation::step() {
+void Simulation::step(const AtBreak& at_break) {
   const Span span("step");
   Impl& s = *impl_;
   std::swap(s.earlier, s.before);
   s.before = s.state;
   s.system->begin_step(s.state);
   try {
-    s.advance();
-    s.check_state();
-    if (!s.integrator.object->resolves_contacts()) s.collide();
+    s.advance_by_parts(at_break);
   } catch (...) {
     s.restore();
     throw;
   }
   ++s.steps;
   s.state.time = static_cast<double>(s.steps) * s.scene.step;  // not summed up: exact to rounding
+}
+
+void Simulation::stop_when(const std::atomic<bool>* stop) {
+  impl_->stop = stop;
+  impl_->system->stop_when(stop);
 }
 
 const Scene& Simulation::scene() const { return impl_->scene; }
@@ -349,14 +423,17 @@ long Simulation::steps() const { return impl_->steps; }
 double Simulation::size() const { return impl_->size; }
 std::shared_ptr<const PluginRegistry> Simulation::registry() const { return impl_->registry; }
 
-Frame Simulation::frame() {
-  impl_->system->update_geometry(impl_->state);
-  return {impl_->steps, impl_->scene.step, impl_->state, *impl_->system};
+Frame Simulation::Impl::frame(double step) {
+  system->update_geometry(state);
+  return {steps, step, state, *system};
 }
 
+Frame Simulation::frame() { return impl_->frame(impl_->scene.step); }
+
 std::unique_ptr<CompanionRun> Simulation::mirrored() const {
-  return std::make_unique<MirrorImage>(
-      std::make_unique<Simulation>(impl_->scene, impl_->registry, !impl_->mirrored));
+  auto image = std::make_unique<Simulation>(impl_->scene, impl_->registry, !impl_->mirrored);
+  image->stop_when(impl_->stop);
+  return std::make_unique<MirrorImage>(std::move(image));
 }
 
 void Simulation::save(Memory& memory) const {

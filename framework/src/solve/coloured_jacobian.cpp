@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "solve/no_solver.h"
 #include "solve/not_finite.h"
 #include "solve/pattern.h"
 
@@ -100,8 +101,13 @@ void ColouredJacobian::differentiate(const NodeVectors& r, const ForceAt& force_
 }
 
 std::string ColouredJacobian::factor(const NodeValues& d) {
-  if (!solvers_)
-    solvers_.emplace(make_solvers_, MatrixTraits{.size = jacobian_.size, .symmetric = false});
+  try {
+    if (!solvers_)
+      solvers_.emplace(make_solvers_, MatrixTraits{.size = jacobian_.size, .symmetric = false});
+    if (choice_.empty()) choice_ = solvers_->choice(jacobian_);
+  } catch (const NoSolver& e) {  // a direction less, where there are others
+    return e.what();
+  }
   shifted_ = jacobian_;
   for (std::size_t q = 0; q < static_cast<std::size_t>(unknowns_.size()); ++q) {
     const auto begin = shifted_.column.begin() + shifted_.row_begin[q];

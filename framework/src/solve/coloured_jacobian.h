@@ -28,6 +28,8 @@ class ColouredJacobian {
   /// With d (N) added to the diagonal; "" or why it cannot be factorised.
   [[nodiscard]] std::string factor(const NodeValues& d);
   [[nodiscard]] std::string solve(const NodeVectors& b, NodeVectors& x);
+  /// Who solves, and why; "" until there was something to factorise.
+  [[nodiscard]] const std::string& choice() const { return choice_; }
 
  private:
   void make_pattern(const std::vector<std::vector<std::int32_t>>& dependence);
@@ -40,6 +42,7 @@ class ColouredJacobian {
   SparseMatrix shifted_;
   std::vector<std::vector<Index>> colours_;  // unknowns
   std::optional<SolverQueue> solvers_;
+  std::string choice_;
   Eigen::MatrixXd rhs_, solution_;
 };
 

@@ -1,7 +1,11 @@
 #include "solve/contact_multipliers.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace deform {
 namespace {
@@ -10,15 +14,57 @@ namespace {
 /// a tenth of their error, and the matrix stays well conditioned.
 constexpr double kPenalty = 10;
 
+const std::vector<double>& finite_numbers(const Memory& memory, const std::string& name) {
+  const auto entry = memory.entries().find(name);
+  if (entry == memory.entries().end()) throw InputError("the checkpoint has no \"" + name + '"');
+  if (!std::ranges::all_of(entry->second, [](double x) { return std::isfinite(x); }))
+    throw InputError("the checkpoint's \"" + name + "\" has a number that is not finite");
+  return entry->second;
+}
+
+bool is_number_below(double x, std::size_t end) {
+  return x >= 0 && x < static_cast<double>(end) && x == std::floor(x);
+}
+
+/// Collider by collider, nodes ascending.
+std::pair<std::size_t, Index> place(const NodeContact& c) { return {c.body, c.node}; }
+
 }  // namespace
 
 void ContactMultipliers::begin(const System& system, const NodeValues& stiffness) {
   penalty_ = kPenalty * stiffness;
   nodes_ = stiffness.size();
+  planes_.clear();
   const std::size_t size = system.colliders() * static_cast<std::size_t>(nodes_);
-  if (lambda_.size() == size) return;
-  lambda_.assign(size, 0.0);
-  rubs_.clear();
+  if (lambda_.empty()) lambda_.assign(size, 0.0);
+  if (lambda_.size() != size)
+    throw InputError(
+        fmt::format("the checkpoint's \"contact.lambda\" has {} numbers, expected {} "
+                    "colliders times {} nodes",
+                    lambda_.size(), system.colliders(), nodes_));
+}
+
+/// Contacts of nodes that have crossed a collider become those with planes where they came in.
+void ContactMultipliers::follow_planes(const NodeVectors& end, std::vector<NodeContact>& near) {
+  const auto place_of = [](const Plane& p) { return place(p.contact); };
+  const auto known = static_cast<std::ptrdiff_t>(planes_.size());
+  const auto has_plane = [&](const NodeContact& c, std::ptrdiff_t among) {
+    return std::ranges::binary_search(planes_.begin(), planes_.begin() + among, place(c), {},
+                                      place_of);
+  };
+  const auto height = [&](const NodeContact& c) {
+    return c.normal.dot(Vec3(end.row(c.node).transpose()));
+  };
+  for (const NodeContact& c : near)
+    if (c.crossed && !has_plane(c, known)) planes_.push_back({c, height(c) - c.gap});
+  if (planes_.empty()) return;
+  std::ranges::sort(planes_, {}, place_of);
+  std::erase_if(near, [&](const NodeContact& c) { return has_plane(c, std::ssize(planes_)); });
+  for (const Plane& plane : planes_) {
+    near.push_back(plane.contact);
+    near.back().gap = height(plane.contact) - plane.offset;
+  }
+  std::ranges::sort(near, {}, place);
 }
 
 void ContactMultipliers::find(const System& system, const Stage& stage, const NodeVectors& r) {
@@ -28,10 +74,11 @@ void ContactMultipliers::find(const System& system, const Stage& stage, const No
   for (std::size_t i = 0; i < lambda_.size(); ++i)
     within = std::max(within, lambda_[i] / penalty_[static_cast<Index>(i) % nodes_]);
   std::vector<NodeContact> near;
-  system.find_contacts(stage.end, end, within, near);
+  system.find_contacts(stage.end, stage.start, end, within, near);
+  follow_planes(end, near);
   pushes_.clear();
   for (const NodeContact& c : near)
-    if (const double force = lambda(c) - penalty_[c.node] * c.gap; force > 0)
+    if (const double force = lambda(c) - penalty(c) * c.gap; force > 0)
       pushes_.push_back({c, force});
   for (Rub& rub : rubs_) {
     const Vec3 moved = (end.row(rub.node) - stage.start.row(rub.node)).transpose();
@@ -46,13 +93,25 @@ const ContactMultipliers::Rub* ContactMultipliers::rub_of(const NodeContact& c) 
   return at != rubs_.end() && at->body == c.body && at->node == c.node ? &*at : nullptr;
 }
 
-std::vector<Touch> ContactMultipliers::touching() const {
-  std::vector<Touch> all;
+std::vector<Index> ContactMultipliers::touching() const {
+  std::vector<Index> all;
+  for (const Push& push : pushes_) all.push_back(push.contact.node);
+  std::ranges::sort(all);
+  return all;
+}
+
+/// M Δv = reach τ (N n + T): where the stage's end is not the step's, the rest of the step goes on
+/// with the same forces.
+std::vector<ContactImpulse> ContactMultipliers::impulses(const System& system,
+                                                         const Stage& stage) const {
+  std::vector<ContactImpulse> all;
   for (const Push& push : pushes_) {
-    const Rub* rub = rub_of(push.contact);
-    all.push_back({push.contact.node, push.contact.normal, rub != nullptr && rub->sticks()});
+    const NodeContact& c = push.contact;
+    const double per_force = stage.reach * stage.tau / system.mass()[c.node];
+    const Rub* rub = rub_of(c);
+    all.push_back({c.node, c.body, c.normal, per_force * push.force,
+                   rub == nullptr ? Vec3(Vec3::Zero()) : Vec3(per_force * rub->force)});
   }
-  std::ranges::stable_sort(all, {}, &Touch::node);
   return all;
 }
 
@@ -65,7 +124,7 @@ void ContactMultipliers::add_force(NodeVectors& f) const {
 void ContactMultipliers::add_tangent(System& system) const {
   for (const Push& push : pushes_) {
     const Vec3& n = push.contact.normal;
-    system.stiffen(push.contact.node, penalty_[push.contact.node] * reach_ * n * n.transpose());
+    system.stiffen(push.contact.node, penalty(push.contact) * reach_ * n * n.transpose());
   }
   for (const Rub& rub : rubs_) {
     Eigen::Matrix3d k = Eigen::Matrix3d::Identity() - rub.normal * rub.normal.transpose();
@@ -80,7 +139,7 @@ void ContactMultipliers::add_tangent(System& system) const {
 double ContactMultipliers::potential() const {
   double sum = 0;
   for (const Push& push : pushes_)
-    sum += 0.5 * push.force * push.force / (penalty_[push.contact.node] * reach_);
+    sum += 0.5 * push.force * push.force / (penalty(push.contact) * reach_);
   for (const Rub& rub : rubs_) {
     const double length = rub.trial.norm();
     const double slide =
@@ -117,26 +176,46 @@ void ContactMultipliers::save(Memory& memory) const {
 }
 
 void ContactMultipliers::load(const Memory& memory) {
-  const auto numbers = [&](const char* name) -> const std::vector<double>& {
-    const auto entry = memory.entries().find(name);
-    if (entry == memory.entries().end())
-      throw InputError(std::string("the checkpoint has no \"") + name + '"');
-    return entry->second;
-  };
+  lambda_ = finite_numbers(memory, "contact.lambda");
+  if (std::ranges::any_of(lambda_, [](double x) { return x < 0; }))
+    throw InputError("the checkpoint's \"contact.lambda\" has a number below 0");
+  const auto last = memory.entries().find("last.r");  // of the step that they are of
+  const std::size_t nodes = last == memory.entries().end() ? 0 : last->second.size() / 3;
+  if (nodes > 0 && lambda_.size() % nodes != 0)
+    throw InputError(
+        fmt::format("the checkpoint's \"contact.lambda\" has {} numbers, expected a "
+                    "multiple of the number of nodes, {}",
+                    lambda_.size(), nodes));
+  load_friction(finite_numbers(memory, "contact.friction"), nodes);
+}
+
+void ContactMultipliers::load_friction(const std::vector<double>& all, std::size_t nodes) {
   constexpr std::size_t kNumbers = 9;
-  const std::vector<double>& all = numbers("contact.friction");
   if (all.size() % kNumbers != 0)
     throw InputError("the checkpoint's \"contact.friction\" has " + std::to_string(all.size()) +
                      " numbers, expected a multiple of " + std::to_string(kNumbers));
-  lambda_ = numbers("contact.lambda");
+  const std::size_t bodies = nodes == 0 ? 0 : lambda_.size() / nodes;
   rubs_.clear();
   for (std::size_t i = 0; i < all.size(); i += kNumbers) {
     const double* x = all.data() + i;
-    rubs_.push_back({.node = static_cast<Index>(x[0]),
-                     .body = static_cast<std::size_t>(x[1]),
-                     .normal = {x[2], x[3], x[4]},
-                     .limit = x[5],
-                     .kept = {x[6], x[7], x[8]}});
+    if (!is_number_below(x[0], nodes) || !is_number_below(x[1], bodies))
+      throw InputError(
+          fmt::format("the checkpoint's \"contact.friction\" is of node {:g} and collider {:g}, "
+                      "expected whole numbers from 0, below {} and {}",
+                      x[0], x[1], nodes, bodies));
+    if (!(x[5] >= 0))
+      throw InputError(
+          fmt::format("the checkpoint's \"contact.friction\" has a limit of {:g}", x[5]));
+    const Rub rub{.node = static_cast<Index>(x[0]),
+                  .body = static_cast<std::size_t>(x[1]),
+                  .normal = {x[2], x[3], x[4]},
+                  .limit = x[5],
+                  .kept = {x[6], x[7], x[8]}};
+    if (!rubs_.empty() &&
+        std::pair(rub.body, rub.node) <= std::pair(rubs_.back().body, rubs_.back().node))
+      throw InputError(
+          "the checkpoint's \"contact.friction\" is not in the order of colliders and nodes");
+    rubs_.push_back(rub);
   }
 }
 
@@ -144,6 +223,7 @@ void ContactMultipliers::forget() {
   lambda_.clear();
   pushes_.clear();
   rubs_.clear();
+  planes_.clear();
 }
 
 }  // namespace deform

@@ -16,8 +16,8 @@ namespace deform {
 /// nothing changes: then the laws hold exactly, whatever κ.
 class ContactMultipliers {
  public:
-  /// Forgets multipliers of another size of problem; makes penalties from a stage's stiffness at
-  /// each node (N) [N/m].
+  /// Begins a stage; makes penalties from its stiffness at each node (N) [N/m]. Throws InputError
+  /// where multipliers were loaded that are another system's.
   void begin(const System& system, const NodeValues& stiffness);
   /// Finds what touches at positions r of a stage.
   void find(const System& system, const Stage& stage, const NodeVectors& r);
@@ -29,10 +29,15 @@ class ContactMultipliers {
   /// Makes the forces of the last `find` the multipliers.
   void update();
 
-  /// What has a normal force at the last `find`.
-  [[nodiscard]] std::vector<Touch> touching() const;
+  /// Nodes with a normal force at the last `find`, ascending, once for each collider.
+  [[nodiscard]] std::vector<Index> touching() const;
+  /// What its forces change of velocities within the stage.
+  [[nodiscard]] std::vector<ContactImpulse> impulses(const System& system,
+                                                     const Stage& stage) const;
 
   void save(Memory& memory) const;
+  /// Throws InputError where a number cannot be one that was saved. "last.r" of the memory:
+  /// positions of the step that they are of.
   void load(const Memory& memory);
   void forget();
 
@@ -57,6 +62,10 @@ class ContactMultipliers {
   [[nodiscard]] double& lambda(const NodeContact& c) {
     return lambda_[c.body * static_cast<std::size_t>(nodes_) + static_cast<std::size_t>(c.node)];
   }
+  /// κ of a contact: of the stiffness that the node has along the normal, as it is free to move.
+  [[nodiscard]] double penalty(const NodeContact& c) const { return penalty_[c.node] / c.mobility; }
+  void load_friction(const std::vector<double>& all, std::size_t nodes);
+  void follow_planes(const NodeVectors& end, std::vector<NodeContact>& near);
 
   Index nodes_ = 0;
   NodeValues penalty_;          // κ of each node [N/m]
@@ -64,6 +73,13 @@ class ContactMultipliers {
   std::vector<double> lambda_;  // of each collider's nodes [N]
   std::vector<Push> pushes_;    // collider by collider, nodes ascending
   std::vector<Rub> rubs_;       // likewise
+  /// Tangent plane where a node has come into a collider that it would cross: what it has contact
+  /// with as long as the stage lasts, so that its gap is one function of place.
+  struct Plane {
+    NodeContact contact;
+    double offset = 0;  // [m] normal · position at gap 0
+  };
+  std::vector<Plane> planes_;  // likewise
 };
 
 }  // namespace deform

@@ -5,44 +5,71 @@
 
 #include "deform/solve/system.h"
 
+#include "solve/contact_law.h"
+#include "solve/contact_paths.h"
+
 namespace deform {
 
 /// Keeps nodes outside of bodies. A step that ends with a node inside is amended: the node goes to
 /// the nearest point of the body, and what it moved along the body's surface within the step is
-/// shortened by at most friction × how far it was pushed. That is Coulomb's law: for a node at rest
-/// on the body the push of a step is its acceleration into the body times step², and so is what it
-/// would slide. Its velocity is then that of the amended motion: contact is inelastic.
+/// shortened by at most friction × how far it was pushed. That is Coulomb's law: what the body's
+/// push changes of the way along the normal, friction changes by at most so many times that of the
+/// way across. For the velocity the same law holds by itself, whichever way a method makes
+/// positions of velocities: contact is inelastic.
 ///
-/// Nodes with a prescribed component are not amended: they are where the scene wants them.
+/// A node whose way through the step leads into a body on another side than the one where it is
+/// nearest to the surface in the end, or right through, is stopped where it came in.
+///
+/// Nodes move as far as constraints leave them free; those that are held along a body's normal
+/// pass: they are where the scene wants them.
 class Contacts {
  public:
-  Contacts(std::vector<Body> bodies, bool mirrored, const Reduction& reduction);
+  /// `map` must live as long.
+  Contacts(std::vector<Body> bodies, bool mirrored, const ReductionMap& map);
 
-  [[nodiscard]] bool none() const { return bodies_.empty(); }
-  /// Amends `after`, which a step of so many seconds made of `before` (N × 3).
-  void resolve(const NodeVectors& before, double step, State& after);
-  /// Free nodes nearer to a body than its thickness and `within`, were they at r (N × 3).
-  void find(double time, const NodeVectors& r, double within,
+  /// Amends `after`, which a step of so many seconds made of `before` (N × 3). Returns the nodes
+  /// that it amended, ascending.
+  std::vector<Index> resolve(const NodeVectors& before, double step, State& after);
+  /// As System::find_contacts.
+  void find(double time, const NodeVectors& from, const NodeVectors& r, double within,
             std::vector<NodeContact>& found) const;
+  /// As System::settle.
+  void settle(double step, const std::vector<ContactImpulse>& impulses, State& state) const;
   /// (M) Distance of points (M × 3) to the nearest body at a time, negative inside [m]; infinite
   /// where there is no body.
   [[nodiscard]] NodeValues clearance(double time, const NodeVectors& points) const;
-  /// The free node that is deepest inside of a body, thickness included; throws InputError naming
-  /// it when it is deeper than `slack` [m].
+  /// The movable node that is deepest inside of a body, thickness included; throws InputError
+  /// naming it when it is deeper than `slack` [m].
   void require_outside(const NodeVectors& r, double slack) const;
 
  private:
   /// Distances of points to one body and the normals there; refuses what is not finite.
   void measure(const Body& body, double time, const NodeVectors& points, NodeValues& distance,
                NodeVectors& normal) const;
-  /// Returns whether any node was inside.
-  bool resolve(const Body& body, const NodeVectors& before, double step, State& after);
+  /// Of ways from → to, at whose ends distances and normals are known: where those come in that
+  /// have crossed the body, or its side. The body is where it is at that time.
+  [[nodiscard]] std::vector<EntryPlane> crossings(const Body& body, double time,
+                                                  const NodeVectors& from, const NodeVectors& to,
+                                                  const NodeValues& distance,
+                                                  const NodeVectors& normal) const;
+  /// Whether a way may lead through a body that its end is `gap` away from.
+  [[nodiscard]] bool may_cross(const Body& body, Index node, const Vec3& from, const Vec3& to,
+                               double gap, const Vec3& normal) const;
+  /// Gap and normal of each movable node, in turn, that is nearer to a body than `within`.
+  template <class Visit>
+  void visit_near(const Body& body, double time, const NodeVectors& from, const NodeVectors& r,
+                  double within, const Visit& visit) const;
+  /// Returns which nodes were inside.
+  std::vector<Index> resolve(std::size_t body, const NodeVectors& before, double step,
+                             State& after);
+  /// How fast each impulse's body has moved along the normal there [m/s].
+  [[nodiscard]] std::vector<double> speeds(double step, const std::vector<ContactImpulse>& impulses,
+                                           const State& state) const;
 
   std::vector<Body> bodies_;
+  std::vector<bool> is_convex_;
   bool mirrored_;
-  std::vector<char> free_;  // whether all components of a node are
-  NodeValues distance_;     // of all nodes to one body
-  NodeVectors normal_;
+  Mobility mobility_;
 };
 
 }  // namespace deform

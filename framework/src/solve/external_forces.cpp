@@ -20,7 +20,7 @@ void reflect(const NodeVectors& from, NodeVectors& to) {
 
 ExternalForces::ExternalForces(const ModelParts& parts)
     : forces_(parts.forces),
-      areas_(parts.surface->areas()),
+      areas_(parts.areas),
       mass_(parts.mass),
       mirrored_(parts.mirrored) {
   for (const auto& f : forces_) {

@@ -175,9 +175,15 @@ std::string ImplicitEquation::find_direction_again(double tolerance, NodeVectors
 
 bool ImplicitEquation::find_full_direction(State& state, NodeVectors& direction) {
   if (contacts_begun_ && !contacts_.touching().empty()) return false;  // not in the Jacobian
-  system_->evaluate_with_jacobian(state, 1 / stage_->tau);
-  return system_->factor_jacobian(diagonal_).empty() &&
-         system_->solve_jacobian(left_, direction).empty() && slope(direction) < 0;
+  if (!has_jacobian_solver_) return false;
+  try {
+    system_->evaluate_with_jacobian(state, 1 / stage_->tau);
+    return system_->factor_jacobian(diagonal_).empty() &&
+           system_->solve_jacobian(left_, direction).empty() && slope(direction) < 0;
+  } catch (const InputError&) {  // the scene names a solver that does not take such a matrix
+    has_jacobian_solver_ = false;
+    return false;
+  }
 }
 
 }  // namespace deform

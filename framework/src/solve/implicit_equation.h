@@ -20,6 +20,7 @@ class ImplicitEquation {
   [[nodiscard]] bool has_potential() const { return has_potential_; }
   /// Of all forces.
   [[nodiscard]] bool is_gradient() const { return has_potential_ && !has_beside_; }
+  [[nodiscard]] bool averages_strains() const { return stage_->averages_strains; }
   [[nodiscard]] bool has_contacts() const { return with_contacts_; }
   /// Of the surface [m].
   [[nodiscard]] double size() const { return size_; }
@@ -82,6 +83,7 @@ class ImplicitEquation {
   ContactMultipliers contacts_;
   bool has_potential_ = true, has_beside_ = false;
   bool with_contacts_ = false, contacts_begun_ = false;
+  bool has_jacobian_solver_ = true;  // as far as is known
   double size_ = 0, scale_ = 0;
   NodeValues mass_, damping_;  // M/τ², Γ/τ [N/m]
   NodeValues diagonal_;        // their sum

@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "deform/error.h"
+#include "deform/geometry/rounding.h"
+
 #include "profile/profile.h"
 #include "solve/implicit_equation.h"
 #include "solve/not_finite.h"
@@ -33,8 +36,8 @@ constexpr double kStraight = 1e-3, kLargestTurn = 1, kSmallestTurn = 0.03;
 constexpr int kMostDoublings = 6;
 /// What a sum of energies may be wrong by, relative.
 constexpr double kRoundingOfEnergy = 1e-13;
-/// A Newton step below this part of the size moves nothing: what is left over is the rounding of
-/// forces, of which some are far larger than all that is at work.
+/// A Newton step below this part of the size and the rounding of positions moves nothing: what is
+/// left over is the rounding of forces, of which some are far larger than all that is at work.
 constexpr double kRoundingOfPositions = 1e-13;
 /// Forces that cancel to this part of what they are made of count as balanced where no step helps.
 constexpr double kRoundingOfForces = 1e-6;
@@ -42,6 +45,10 @@ constexpr double kRoundingOfForces = 1e-6;
 /// steps, and this close to a solution, their whole Jacobian is worth what it costs.
 constexpr std::int64_t kSlow = 10;
 constexpr double kClose = 0.2;
+/// Forces of averaged strains are no gradient: Φ with the work of what is beside it may fall on and
+/// on along a way that leads round. Where after so many steps nothing is close, a shorter time step
+/// does better.
+constexpr std::int64_t kMostRoundabout = 12;
 /// Newton's method without a look at Φ goes on while a correction is this part of the one before,
 /// at most, or what is left over of the forces, and this often.
 constexpr double kContraction = 0.5;
@@ -70,8 +77,12 @@ class StrainsOfAStage {
  public:
   StrainsOfAStage(System& system, const Stage& s) : system_(system) {
     if (s.by_strains) system_.measure_strains_from(1 / s.tau, s.start, s.s, s.earlier);
+    if (s.averages_strains) system_.average_strains_from(s.start);
   }
-  ~StrainsOfAStage() { system_.measure_strains_from(0, {}); }
+  ~StrainsOfAStage() {
+    system_.measure_strains_from(0, {});
+    system_.end_average_of_strains();
+  }
   StrainsOfAStage(const StrainsOfAStage&) = delete;
   StrainsOfAStage& operator=(const StrainsOfAStage&) = delete;
 
@@ -98,6 +109,7 @@ class FirstContraction {
   void load(const Memory& memory) {
     const std::vector<double>& known = memory.get("contraction", 2);
     theta_ = known[0], tau_ = known[1];
+    if (theta_ < 0 || tau_ < 0) throw InputError("the checkpoint's \"contraction\" is none");
   }
   void forget() { theta_ = 1; }
 
@@ -131,6 +143,10 @@ struct ImplicitStage::Impl {
   [[nodiscard]] std::string search(System& system, State& state, double norm);
   [[nodiscard]] bool search_along(System& system, State& state, double norm);
   void go(System& system, const NodeVectors& from, double s, NodeVectors& r) const;
+  /// Newton steps that are not longer move nothing [m].
+  [[nodiscard]] double still(const State& state) const {
+    return kRoundingOfPositions * equation.size() + rounding_of_positions(state.r);
+  }
 
   StageSettings settings;
   ImplicitEquation equation;
@@ -414,9 +430,11 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
       go_back(state);
     }
     const double norm = evaluate(system, state);
-    if (is_converged(state, norm) || longest <= kRoundingOfPositions * equation.size()) return "";
+    if (is_converged(state, norm) || longest <= still(state)) return "";
     const double relative = system.step_report().residual;
-    if (i == settings.iterations || (!leaps && !std::isfinite(norm)))
+    const bool goes_round = equation.averages_strains() && !equation.has_contacts() &&
+                            i >= kMostRoundabout && relative > kClose;
+    if (i == settings.iterations || goes_round || (!leaps && !std::isfinite(norm)))
       return fmt::format("{} iterations leave a residual of {:.3g}", i, relative);
     ++system.step_report().iterations;
     std::string reason = find_direction(state, i, relative);
@@ -428,7 +446,7 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
       continue;
     }
     longest = direction.rowwise().norm().maxCoeff();
-    if (longest <= kRoundingOfPositions * equation.size()) return "";
+    if (longest <= still(state)) return "";
     angle = equation.has_potential() ? system.aim(state.r, direction) : 0;
     const double correction = system.root_mean_square(direction);
     const double theta = correction / std::exchange(last, correction);
@@ -471,7 +489,12 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
   return "";
 }
 
-std::vector<Touch> ImplicitStage::touching() const { return impl_->equation.contacts().touching(); }
+std::vector<Index> ImplicitStage::touching() const { return impl_->equation.contacts().touching(); }
+void ImplicitStage::settle(const System& system, const Stage& stage, double step,
+                           State& end) const {
+  if (impl_->equation.has_contacts())
+    system.settle(step, impl_->equation.contacts().impulses(system, stage), end);
+}
 bool ImplicitStage::counts_corrections() const { return impl_->settings.newton_error > 0; }
 bool ImplicitStage::resolves_contacts() const { return impl_->equation.has_potential(); }
 void ImplicitStage::save(Memory& memory) const {

@@ -149,9 +149,12 @@ Geometry::Detail JetAssembler::detail() const {
   return most;
 }
 
-SampleBlock JetAssembler::sample_block(const Geometries& g, Index first, Index size) const {
-  return {.now = g.now.block(first, size),
-          .lagged = g.lagged.block(first, size),
+SampleBlock JetAssembler::sample_block(const Geometries& g, const Term& term, Index first,
+                                       Index size) const {
+  const Geometry& now = g.mean != nullptr && term.traits.strains ? *g.mean : g.now;
+  const Geometry& lagged = &g.lagged == &g.now ? now : g.lagged;
+  return {.now = now.block(first, size),
+          .lagged = lagged.block(first, size),
           .rest = g.rest.block(first, size),
           .origin = (g.origin != nullptr ? *g.origin : g.rest).block(first, size),
           .differences = samples_->field_differences(),
@@ -187,7 +190,7 @@ void JetAssembler::evaluate_auxiliary(const Geometries& g, std::size_t number, s
                     static_cast<std::size_t>(first),
                 static_cast<std::size_t>(size)};
     guarded(term.origin, "computing auxiliary fields", [&] {
-      term.term->auxiliary(sample_block(g, first, size), {out.data(), fields});
+      term.term->auxiliary(sample_block(g, term, first, size), {out.data(), fields});
     });
   });
 }
@@ -204,13 +207,14 @@ void JetAssembler::evaluate_block(const Geometries& g, Part part, const Term* on
     const Vectors s = sigma(m).from(first);
     for (double* component : {s.x, s.y, s.z}) std::fill_n(component, size, 0.0);
   }
-  SampleBlock block = sample_block(g, first, size);
   for (std::size_t t = 0; t < terms_.size(); ++t) {
     if (!is_evaluated(terms_[t])) continue;
+    SampleBlock block = sample_block(g, terms_[t], first, size);
     block.auxiliary = auxiliary_of_[t];
     evaluate_term(t, part, block);
   }
-  if (has_couplings && part != Part::couplings_and_constant) add_affine_part(block);
+  if (has_couplings && part != Part::couplings_and_constant)
+    add_affine_part(g.now.block(first, size));
 }
 
 void JetAssembler::evaluate_term(std::size_t number, Part part, const SampleBlock& block) {
@@ -234,13 +238,13 @@ void JetAssembler::evaluate_term(std::size_t number, Part part, const SampleBloc
 }
 
 /// σ_m = c_m + Σ_n k_mn D_n r: the c_m are there already.
-void JetAssembler::add_affine_part(const SampleBlock& block) {
+void JetAssembler::add_affine_part(const GeometryBlock& now) {
   for (std::size_t c = 0; c < couplings_.size(); ++c) {
     const auto& [m, n] = couplings_[c];
-    const double* k = coupling(c) + block.first();
-    const ConstVectors r = block.now.r(n);
-    const Vectors s = sigma(slot(m)).from(block.first());
-    add_products(block.size(), k, r.x, r.y, r.z, s.x, s.y, s.z);
+    const double* k = coupling(c) + now.first();
+    const ConstVectors r = now.r(n);
+    const Vectors s = sigma(slot(m)).from(now.first());
+    add_products(now.size(), k, r.x, r.y, r.z, s.x, s.y, s.z);
   }
 }
 
@@ -373,8 +377,9 @@ void JetAssembler::add_operator(SparseMatrix& k) const {
 
 bool JetAssembler::is_numerical(const Term& term, const Geometries& geometries) const {
   if (term.traits.lagged != Lagged::none || samples_->size() == 0) return false;
-  return guarded(term.origin, "computing its stress",
-                 [&] { return has_numerical_stress(*term.term, sample_block(geometries, 0, 1)); });
+  return guarded(term.origin, "computing its stress", [&] {
+    return has_numerical_stress(*term.term, sample_block(geometries, term, 0, 1));
+  });
 }
 
 void JetAssembler::energy_density(const Term& term, const Geometries& geometries,
@@ -384,7 +389,7 @@ void JetAssembler::energy_density(const Term& term, const Geometries& geometries
         density.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(size));
     std::ranges::fill(block, 0.0);
     guarded(term.origin, "computing its energy",
-            [&] { term.term->energy_density(sample_block(geometries, first, size), block); });
+            [&] { term.term->energy_density(sample_block(geometries, term, first, size), block); });
   });
 }
 

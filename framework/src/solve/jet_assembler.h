@@ -19,6 +19,7 @@ struct Geometries {
   const Geometry& lagged;
   const Geometry& rest;
   const Geometry* origin = nullptr;  // what strains are measured from; null: rest
+  const Geometry* mean = nullptr;    // of a step, for terms that know strains; null: as now
 };
 
 /// All terms on one set. The order of every sum is fixed by the scene and the set.
@@ -36,7 +37,9 @@ class JetAssembler {
   [[nodiscard]] const SampleSet& samples() const { return *samples_; }
   [[nodiscard]] const std::vector<Term>& terms() const { return terms_; }
   [[nodiscard]] const GatherTable& gather() const { return gather_; }
-  [[nodiscard]] SampleBlock sample_block(const Geometries& g, Index first, Index size) const;
+  /// As a term sees it: TermTraits::strains decide whether that is the mean of a step.
+  [[nodiscard]] SampleBlock sample_block(const Geometries& g, const Term& term, Index first,
+                                         Index size) const;
   /// This assembler's place for a scene's term; null when the term is not on this set.
   [[nodiscard]] const Term* find(std::size_t number) const;
 
@@ -81,7 +84,7 @@ class JetAssembler {
   void evaluate_block(const Geometries& g, Part part, const Term* only, Index first, Index size);
   void evaluate_term(std::size_t number, Part part, const SampleBlock& block);
   void mark_active(const Term& t);
-  void add_affine_part(const SampleBlock& block);
+  void add_affine_part(const GeometryBlock& now);
   [[nodiscard]] bool operator_goes_on(const SparseMatrix& pattern, Index a) const;
   void add_operator_to(Index a, Index size, double* rows) const;
   void add_force_of_run(Index a, Index size, NodeVectors& f) const;

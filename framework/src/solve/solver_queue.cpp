@@ -5,6 +5,7 @@
 #include "deform/log.h"
 
 #include "plugin/guard.h"
+#include "solve/no_solver.h"
 
 namespace deform {
 namespace {
@@ -23,8 +24,8 @@ SolverQueue::SolverQueue(const MakeSolvers& make_solvers, const MatrixTraits& tr
   const std::string offered = solvers_.empty() ? "none was found" : solvers_.front().name;
   std::erase_if(solvers_, [&](const auto& s) { return fit(s) <= 0; });
   if (solvers_.empty())
-    throw InputError(std::string("no linear solver takes this scene's ") + kind_of(traits_) +
-                     " matrix (" + offered + ")");
+    throw NoSolver(std::string("no linear solver takes this scene's ") + kind_of(traits_) +
+                   " matrix (" + offered + ")");
   std::ranges::stable_sort(solvers_, std::ranges::greater{}, fit);
   if (fit(solvers_.front()) >= LinearSolver::kSuitable)
     std::erase_if(solvers_, [&](const auto& s) { return fit(s) < LinearSolver::kSuitable; });

@@ -21,7 +21,7 @@ System::Impl::Impl(ModelParts p) : parts(std::move(p)), external(parts) {
     guarded(c.origin, "saying what it holds", [&] { c.object->reduce(reduction); });
   map.emplace(reduction);
   if (parts.mirrored) map->reflect();
-  contacts.emplace(parts.bodies, parts.mirrored, map->reduction());
+  contacts.emplace(parts.bodies, parts.mirrored, *map);
   force = NodeVectors::Zero(n, 3);
   normals = NodeVectors::Zero(n, 3);
   force_stiffness = force_damping = NodeValues::Zero(n);
@@ -130,6 +130,7 @@ System::~System() = default;
 Index System::nodes() const { return impl_->parts.surface->nodes(); }
 const Surface& System::surface() const { return *impl_->parts.surface; }
 const NodeVectors& System::rest() const { return impl_->parts.rest; }
+const NodeValues& System::areas() const { return impl_->parts.areas; }
 const NodeValues& System::mass() const { return impl_->parts.mass; }
 const NodeValues& System::damping() const { return impl_->parts.damping; }
 const Reduction& System::reduction() const { return impl_->map->reduction(); }
@@ -137,13 +138,16 @@ const std::vector<Named<EnergyTerm>>& System::energies() const { return impl_->p
 const NodeVectors& System::force() const { return impl_->force; }
 const NodeValues& System::force_damping() const { return impl_->force_damping; }
 const SparseMatrix& System::lagged_operator() const { return impl_->k; }
+void System::stop_when(const std::atomic<bool>* stop) { impl_->stop = stop; }
 StepTimes& System::times() { return impl_->times; }
 StepReport& System::step_report() { return impl_->report; }
 const StepReport& System::step_report() const { return impl_->report; }
 const std::string& System::solver_choice() const {
   if (impl_->solver) return impl_->solver->choice();
-  const bool is_iterative = impl_->tangent_solver && !impl_->tangent_solver->choice().empty();
-  return is_iterative ? impl_->tangent_solver->choice() : impl_->no_solver;
+  for (const auto* solver : {&impl_->tangent_solver, &impl_->mass_solver})
+    if (*solver && !(*solver)->choice().empty()) return (*solver)->choice();
+  if (impl_->jacobian && !impl_->jacobian->choice().empty()) return impl_->jacobian->choice();
+  return impl_->no_solver;
 }
 
 std::vector<std::string> System::notes() const {
@@ -157,9 +161,10 @@ std::vector<std::string> System::notes() const {
 }
 
 void System::Impl::evaluate(const State& state, JetAssembler::Part part) {
+  require_going_on();
   const Stopwatch watch(times.assembly, "geometry, stress and force");
   evaluate_geometry_and_stress(state.r, part);
-  for (TupleAssembler& t : tuples) t.evaluate(state.r, state.r);
+  evaluate_tuples(state.r);
   force.setZero();
   add_internal_force(force);
   external.add_force(state, normals, force);
@@ -242,6 +247,7 @@ void System::require_promised_symmetry() {
 }
 
 void System::solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x, double tolerance) {
+  impl_->require_going_on();
   require_finite(d, "what is added to the lagged operator", "the integrator", "");
   require_finite(b, "the right-hand side", "the integrator", "");
   choose_solver();
@@ -284,45 +290,20 @@ void System::constrain(const NodeVectors& before, double step, State& after) con
         after.v(a, c) = (after.r(a, c) - before(a, c)) / step;
 }
 
-void System::collide(const NodeVectors& before, double step, State& after) {
-  if (!impl_->contacts->none()) impl_->contacts->resolve(before, step, after);
+std::vector<Index> System::collide(const NodeVectors& before, double step, State& after) {
+  return impl_->contacts->resolve(before, step, after);
 }
 
-void System::find_contacts(double time, const NodeVectors& r, double within,
-                           std::vector<NodeContact>& contacts) const {
-  impl_->contacts->find(time, r, within, contacts);
+void System::find_contacts(double time, const NodeVectors& from, const NodeVectors& r,
+                           double within, std::vector<NodeContact>& contacts) const {
+  impl_->contacts->find(time, from, r, within, contacts);
 }
+
+void System::settle(double step, const std::vector<ContactImpulse>& impulses, State& state) const {
+  impl_->contacts->settle(step, impulses, state);
+}
+
 std::size_t System::colliders() const { return impl_->parts.bodies.size(); }
-
-void System::prescribe_velocity(double time, NodeVectors& v) const {
-  // Constraints give positions alone; a step back this short loses about half of the digits.
-  const double step = 1e-8 * std::max(1.0, std::abs(time));
-  NodeVectors now = NodeVectors::Zero(nodes(), 3), earlier = now;
-  prescribe(time, now);
-  prescribe(time - step, earlier);
-  for (int c = 0; c < 3; ++c)
-    for (Index a = 0; a < v.rows(); ++a)
-      if (reduction().prescribed(a, c)) v(a, c) = (now(a, c) - earlier(a, c)) / step;
-  follow_ties_of_velocity(v);
-}
-
-double System::longest_step(double time) const {
-  double longest = kInfinity;
-  const auto ask = [&](const std::string& origin, const Plugin& part) {
-    const double step =
-        guarded(origin, "saying what step it stands", [&] { return part.longest_step(time); });
-    if (!(step > 0))
-      throw PluginFailure("plugin " + origin + " stands steps of " + std::to_string(step) +
-                          " s, expected more than 0");
-    longest = std::min(longest, step);
-  };
-  const ModelParts& parts = impl_->parts;
-  for (const auto& e : parts.energies) ask(e.origin, *e.object);
-  for (const auto& f : parts.forces) ask(f.origin, *f.object);
-  for (const auto& c : parts.constraints) ask(c.origin, *c.object);
-  for (const auto& b : parts.bodies) ask(b.collider.origin, *b.collider.object);
-  return longest;
-}
 
 NodeValues System::clearance(double time, const NodeVectors& points) const {
   return impl_->contacts->clearance(time, points);
@@ -333,10 +314,12 @@ void System::require_outside_of_colliders(const NodeVectors& r, double slack) co
 }
 
 double System::energy(std::size_t term, const State& state) {
+  impl_->require_going_on();
   for (const TupleAssembler& t : impl_->tuples)
     if (t.number() == term) {
       double sum = 0;
-      const std::vector<double> energies = t.energies(state.r);
+      const std::vector<double> energies =
+          impl_->averages_strains ? impl_->mean_energies(t, state.r) : t.energies(state.r);
       for (std::size_t i = 0; i < energies.size(); ++i) {
         if (!std::isfinite(energies[i])) throw_energy_not_finite(term, t.first_node(i));
         sum += energies[i];
@@ -422,6 +405,7 @@ NodeVectors System::external_force(const State& state) {
 }
 
 System::LaggedForce System::lagged_force(std::size_t term, const State& state) {
+  impl_->require_going_on();
   impl_->update_geometry(state.r);
   LaggedForce result{impl_->k, NodeVectors::Zero(nodes(), 3)};
   std::ranges::fill(result.k.value, 0.0);

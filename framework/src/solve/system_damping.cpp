@@ -30,7 +30,9 @@ void System::Impl::update_damping(const NodeVectors& r) {
     damping.value.resize(9 * damping.column.size());
   }
   const std::vector<double> factors = damping_factors(false);
+  if (averages_strains) update_geometry(r);
   const auto of = [&](SetPart& set) -> Geometries {
+    if (averages_strains) return geometries(set);
     if (set.damped.size() == 0) set.damped = Geometry(set.assembler.samples());
     set.compute(set.damped, r);
     return {set.damped, set.damped, set.rest};
@@ -106,6 +108,7 @@ double System::damping_potential(const State& state) {
 }
 
 bool System::has_force_beside_potential() const {
+  if (impl_->averages_strains && impl_->knows_strains()) return true;
   if (!impl_->external.without_potential().empty()) return true;
   if (!impl_->has_material_damping()) return false;
   const std::vector<double> factors = impl_->damping_factors(false);
@@ -123,6 +126,10 @@ NodeVectors System::force_beside_potential(const State& state) {
     NodeVectors of_strains = NodeVectors::Zero(nodes(), 3);
     impl_->add_strain_damping(of_strains);
     f -= of_strains;
+  }
+  if (impl_->averages_strains) {
+    impl_->add_strain_forces(f);
+    impl_->add_gradient_of_mean_energy(f);
   }
   return f;
 }

@@ -38,11 +38,24 @@ void System::Impl::set_current_geometry(std::size_t place) {
 }
 
 void System::Impl::update_geometry(const NodeVectors& r) {
-  if (knows_geometry(r)) return;
+  if (knows_geometry(r)) return update_mean_geometry(r);
   const Stopwatch watch(times.geometry, "geometry");
   const std::size_t place = place_for_geometry();
   for (SetPart& set : sets) set.compute(set.geometry[place], r);
   set_geometry(place, r);
+  update_mean_geometry(r);
+}
+
+/// Where strains are averaged over a step, of which r is the middle: its end, and the means.
+void System::Impl::update_mean_geometry(const NodeVectors& r) {
+  if (!averages_strains || (mean_at.rows() == r.rows() && mean_at == r)) return;
+  const Stopwatch watch(times.geometry, "geometry of a step");
+  step_to = 2 * r - step_from;
+  for (SetPart& set : sets) {
+    set.compute(set.to, step_to);
+    set.mean.make_mean(set.geometry[current], set.from, set.to);
+  }
+  mean_at = r;
 }
 
 const Geometry& System::Impl::complete_geometry(const SampleSet& samples, std::size_t place) {
@@ -55,7 +68,8 @@ const Geometry& System::Impl::complete_geometry(const SampleSet& samples, std::s
 
 /// Stress of a block of samples follows their geometry while that is in cache.
 void System::Impl::evaluate_geometry_and_stress(const NodeVectors& r, JetAssembler::Part part) {
-  if (knows_geometry(r)) {
+  if (averages_strains || knows_geometry(r)) {
+    update_geometry(r);
     for (SetPart& set : sets) set.assembler.evaluate(geometries(set), part);
     return;
   }

@@ -34,11 +34,14 @@ struct SetPart {
   Geometry before;                   // a Newton step earlier; made when first needed
   Geometry damped;                   // that the material's damping is of, likewise
   Geometry begun, earlier;           // that strains are measured from within a step
+  Geometry from, to, mean;  // of a step whose strains are averaged: ends, Geometry::make_mean
 };
 
 struct System::Impl {
   explicit Impl(ModelParts p);
 
+  template <class Ask>
+  void ask_parts(const Ask& ask) const;
   void read_traits();
   [[nodiscard]] SampleRole role_of(std::size_t term, const JetTerm& jet) const;
   void make_sets();
@@ -73,8 +76,15 @@ struct System::Impl {
   [[nodiscard]] std::vector<std::vector<std::int32_t>> dependence() const;
   [[nodiscard]] SetPart& set_of(const SampleSet& samples);
   [[nodiscard]] Geometries geometries(SetPart& set) {
-    return {set.geometry[current], set.geometry[current], set.rest};
+    return {set.geometry[current], set.geometry[current], set.rest, nullptr,
+            averages_strains ? &set.mean : nullptr};
   }
+  void update_mean_geometry(const NodeVectors& r);
+  void evaluate_tuples(const NodeVectors& r);
+  [[nodiscard]] std::vector<double> mean_energies(const TupleAssembler& term, const NodeVectors& r);
+  void add_strain_forces(NodeVectors& f);
+  void add_gradient_of_mean_energy(NodeVectors& f);
+  [[nodiscard]] bool knows_strains() const;
   [[nodiscard]] bool is_of(std::size_t place, const NodeVectors& r) const;
   [[nodiscard]] bool knows_geometry(const NodeVectors& r);
   [[nodiscard]] std::size_t place_for_geometry();
@@ -90,6 +100,11 @@ struct System::Impl {
   void add_internal_force(NodeVectors& f) const;
   [[nodiscard]] NodeVectors force_of(const Named<ForceField>& field, const State& state);
   [[nodiscard]] bool operator_is_finite() const;
+  /// Throws Error where the step is to be given up.
+  void require_going_on() const {
+    if (stop != nullptr && stop->load(std::memory_order_relaxed))
+      throw Error(ExitCode::interrupted, "interrupted");
+  }
 
   ModelParts parts;
   std::vector<TermTraits> traits;   // of the energies
@@ -125,6 +140,9 @@ struct System::Impl {
   TangentMatrix tangents;  // makes the one before and the next; bound when first asked for
   BlockMatrix damping;     // of the material, N·s/m, where some term has a retardation time …
   NodeVectors damped_at;   // … at these positions
+  bool averages_strains = false;                    // over a step from `step_from` …
+  NodeVectors step_from, step_to, mean_at;          // … to this, of which this is the middle
+  std::vector<std::vector<double>> tuple_energies;  // at step_from, one a tuple of each term [J]
   double strain_rate = 0;  // [1/s], of strains since `begun`; 0: strain rates are those of v
   std::optional<TangentSolver> tangent_solver;
   bool renews = true;  // the next iterative solve takes nothing from earlier ones
@@ -136,6 +154,7 @@ struct System::Impl {
   std::optional<TurningStep> turning;        // likewise
   StepReport report;
   StepTimes times;
+  const std::atomic<bool>* stop = nullptr;  // see System::stop_when
 };
 
 }  // namespace deform

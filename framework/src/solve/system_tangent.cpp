@@ -59,7 +59,7 @@ void System::Impl::make_tangent_solver() {
 std::span<const Geometries> System::Impl::geometries_of_tangent() {
   return geometries_of_sets([&](SetPart& set) {
     const Geometries at = geometries(set);
-    return tangent_is_foreseen ? Geometries{at.now, set.before, at.rest} : at;
+    return tangent_is_foreseen ? Geometries{at.now, set.before, at.rest, nullptr, at.mean} : at;
   });
 }
 
@@ -108,6 +108,7 @@ const BlockMatrix& System::tangent() const { return impl_->whole_tangent(); }
 void System::evaluate_with_tangent(const State& state, Tangent kind, const NodeVectors* before,
                                    double rate, TangentUse use) {
   evaluate(state);
+  impl_->require_going_on();
   const Stopwatch watch(impl_->times.assembly, "tangent");
   if (impl_->tangent.nodes == 0) impl_->make_tangent_pattern();
   impl_->tangent_at = state.r;
@@ -181,6 +182,7 @@ NodeValues System::mean_stiffness() const {
 }
 
 std::string System::factor_tangent(const NodeValues& d) {
+  impl_->require_going_on();
   require_finite(d, "what is added to the tangent", "the integrator", "");
   const Stopwatch watch(impl_->times.factorisation, "factorisation");
   impl_->make_tangent_solver();
@@ -188,6 +190,7 @@ std::string System::factor_tangent(const NodeValues& d) {
 }
 
 std::string System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
+  impl_->require_going_on();
   require_finite(b, "the right-hand side", "the integrator", "");
   const Stopwatch watch(impl_->times.solve, "solve");
   return impl_->tangent_solver->solve(b, x);
@@ -195,6 +198,7 @@ std::string System::solve_tangent(const NodeVectors& b, NodeVectors& x) {
 
 std::string System::solve_tangent_to(double tolerance, const NodeValues& d, const NodeVectors& b,
                                      NodeVectors& x) {
+  impl_->require_going_on();
   require_finite(d, "what is added to the tangent", "the integrator", "");
   impl_->make_tangent_solver();
   TangentSolver& solver = *impl_->tangent_solver;
@@ -213,6 +217,7 @@ std::string System::solve_tangent_to(double tolerance, const NodeValues& d, cons
 }
 
 std::string System::solve_tangent_again(double tolerance, const NodeVectors& b, NodeVectors& x) {
+  impl_->require_going_on();
   require_finite(b, "the right-hand side", "the integrator", "");
   TangentSolver& solver = *impl_->tangent_solver;
   const Stopwatch watch(impl_->times.solve, "solve");
@@ -222,6 +227,7 @@ std::string System::solve_tangent_again(double tolerance, const NodeVectors& b, 
 }
 
 double System::aim(const NodeVectors& r, const NodeVectors& d) {
+  impl_->require_going_on();
   const Span span("turning");
   if (!impl_->turning)
     impl_->turning.emplace(surface(), rest(), *impl_->map, impl_->held_freedoms,
@@ -232,6 +238,7 @@ double System::aim(const NodeVectors& r, const NodeVectors& d) {
 void System::turn(double s, NodeVectors& r) { impl_->turning->take(s, r); }
 
 System::Stability System::stability() {
+  impl_->require_going_on();
   impl_->make_tangent_solver();
   const NodeValues zero = NodeValues::Zero(nodes());
   // Lumped masses of what is free: the row sums of TᵀMT.
@@ -275,11 +282,13 @@ void System::evaluate_with_jacobian(const State& state, double rate) {
 }
 
 std::string System::factor_jacobian(const NodeValues& d) {
+  impl_->require_going_on();
   const Stopwatch watch(impl_->times.factorisation, "factorisation");
   return impl_->jacobian->factor(d);
 }
 
 std::string System::solve_jacobian(const NodeVectors& b, NodeVectors& x) {
+  impl_->require_going_on();
   require_finite(b, "the right-hand side", "the integrator", "");
   const Stopwatch watch(impl_->times.solve, "solve");
   return impl_->jacobian->solve(b, x);

@@ -60,11 +60,11 @@ void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
                                 bool along_normal, double* h, Index stride) const {
   const Index count = along_normal ? blocks() : numbers();
   std::fill_n(h, count * stride, 0.0);
-  const SampleBlock block = terms_->sample_block(geometries, first, size);
   thread_local std::vector<double> one;  // of a term that is multiplied
   for (const JetAssembler::Term& t : terms_->terms()) {
     const double factor = factors.empty() ? 1 : factors[t.number];
     if (!t.traits.potential || factor == 0) continue;
+    const SampleBlock block = terms_->sample_block(geometries, t, first, size);
     if (factor == 1) {
       evaluate_term(t, block, kind, {h, stride, size, along_normal});
       continue;
@@ -76,7 +76,8 @@ void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
         h[q * stride + s] += factor * one[static_cast<std::size_t>(q * size + s)];
   }
   if (!along_normal) return;
-  const ConstVectors n = block.now.n();
+  const Geometry& now = geometries.mean != nullptr ? *geometries.mean : geometries.now;
+  const ConstVectors n = now.block(first, size).n();
   std::copy_n(n.x, size, h + count * stride);
   std::copy_n(n.y, size, h + (count + 1) * stride);
   std::copy_n(n.z, size, h + (count + 2) * stride);

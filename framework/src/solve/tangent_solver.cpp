@@ -52,10 +52,12 @@ const SparseMatrix& TangentSolver::reduced(const NodeValues& d) {
 }
 
 std::string TangentSolver::factor(const NodeValues& d) {
-  if (!solvers_)
+  if (!solvers_) {
     solvers_.emplace(
         make_solvers_,
         MatrixTraits{.size = unknowns_.size(), .symmetric = true, .positive_definite = true});
+    choice_ += (choice_.empty() ? "" : "; where that ends nowhere ") + solvers_->choice(reduced(d));
+  }
   return solvers_->factor_with_first(reduced(d));
 }
 
@@ -77,8 +79,9 @@ void TangentSolver::choose_block_solver() {
   if (!iterative_.object) return;
   guarded(iterative_.origin, "analysing a matrix",
           [&] { iterative_.object->blocks()->analyse(*pattern_, unknowns_.held()); });
-  choice_ = iterative_.name + " (tangents of " + std::to_string(pattern_->nodes) + " nodes, " +
-            std::to_string(pattern_->column.size()) + " blocks, to a tolerance)";
+  choice_ += (choice_.empty() ? "" : "; ") + iterative_.name + " (tangents of " +
+             std::to_string(pattern_->nodes) + " nodes, " +
+             std::to_string(pattern_->column.size()) + " blocks, to a tolerance)";
 }
 
 bool TangentSolver::takes_rows() {

@@ -48,7 +48,8 @@ class TangentSolver {
                                                 bool renew);
   [[nodiscard]] std::string solve_to_tolerance(double tolerance, const NodeVectors& b,
                                                NodeVectors& x);
-  /// Who solves to a tolerance, and why; "" where that is the factorisation.
+  /// Who solves, and why: to a tolerance, and where there was a factorisation, by it; "" until
+  /// then.
   [[nodiscard]] const std::string& choice() const { return choice_; }
   /// Iterations of the last solve_to_tolerance; 0 where it was exact.
   [[nodiscard]] long iterations() const { return iterations_; }

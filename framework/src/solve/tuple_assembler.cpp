@@ -1,6 +1,7 @@
 #include "solve/tuple_assembler.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "deform/parallel.h"
 
@@ -53,6 +54,12 @@ TupleBlock TupleAssembler::block(const NodeVectors& now, const NodeVectors& lagg
 }
 
 void TupleAssembler::evaluate(const NodeVectors& now, const NodeVectors& lagged, Part part) {
+  // The whole of an explicit term's force is constant.
+  evaluate_affine(now, lagged, part == Part::stress || is_explicit());
+}
+
+void TupleAssembler::evaluate_affine(const NodeVectors& now, const NodeVectors& lagged,
+                                     bool with_k) {
   const Index w = width_;
   parallel_blocks(static_cast<Index>(count()), kBlock, [&](Index first, Index size) {
     const Values k{k_.data() + first * w * w, static_cast<std::size_t>(size * w * w)};
@@ -61,8 +68,7 @@ void TupleAssembler::evaluate(const NodeVectors& now, const NodeVectors& lagged,
     std::ranges::fill(c, Vec3::Zero());
     const TupleBlock tuples = block(now, lagged, first, size);
     guarded(origin_, "computing its force", [&] { term_->affine_force(tuples, k, c); });
-    // c becomes the force −Σ_b k_ab r_b − c_a; the whole of an explicit term's is constant.
-    const bool with_k = part == Part::stress || is_explicit();
+    // c becomes the force −Σ_b k_ab r_b − c_a.
     for (Index t = 0; t < size; ++t)
       for (int a = 0; a < width_; ++a) {
         Vec3& f = c[static_cast<std::size_t>(t * w + a)];
@@ -70,6 +76,54 @@ void TupleAssembler::evaluate(const NodeVectors& now, const NodeVectors& lagged,
         for (int b = 0; b < width_ && with_k; ++b)
           f -= k[static_cast<std::size_t>((t * w + a) * w + b)] * tuples.r(t, b);
       }
+  });
+}
+
+void TupleAssembler::evaluate_over_step(const NodeVectors& from, const NodeVectors& middle,
+                                        const NodeVectors& to,
+                                        const std::vector<double>& energies_from) {
+  if (is_explicit()) {
+    evaluate_affine(middle, middle, true);
+  } else {
+    evaluate_affine(middle, to, true);
+    force_at_end_ = force_;
+    evaluate_affine(middle, from, true);
+    for (std::size_t p = 0; p < force_.size(); ++p)
+      force_[p] = 0.5 * (force_[p] + force_at_end_[p]);
+  }
+  add_missing_work(from, to, energies_from, energies(to));
+}
+
+/// F_a −= λ Σ_b Δd_ab (r̄_a − r̄_b), d_ab = |r_a − r_b|²: as Δd_ab = 2 (r̄_a − r̄_b)·(Δr_a − Δr_b),
+/// its work is −½ λ Σ_{a<b} Δd_ab².
+void TupleAssembler::add_missing_work(const NodeVectors& from, const NodeVectors& to,
+                                      const std::vector<double>& energies_from,
+                                      const std::vector<double>& energies_to) {
+  parallel_blocks(static_cast<Index>(count()), kBlock, [&](Index first, Index size) {
+    for (Index i = first; i < first + size; ++i) {
+      const auto t = static_cast<std::size_t>(i);
+      Vec3* const force = force_.data() + i * width_;
+      const auto middle = [&](int a) {
+        return Vec3(0.5 * (from.row(node(t, a)) + to.row(node(t, a))));
+      };
+      const auto growth = [&](int a, int b) {
+        const Index i_a = node(t, a), i_b = node(t, b);
+        return (to.row(i_a) - to.row(i_b)).squaredNorm() -
+               (from.row(i_a) - from.row(i_b)).squaredNorm();
+      };
+      double missing = energies_to[t] - energies_from[t], squares = 0;
+      for (int a = 0; a < width_; ++a) {
+        missing += force[a].dot(Vec3(to.row(node(t, a)) - from.row(node(t, a))));
+        for (int b = 0; b < a; ++b) squares += growth(a, b) * growth(a, b);
+      }
+      const double lambda = squares > 0 ? 2 * missing / squares : 0;
+      for (int a = 0; a < width_ && std::isfinite(lambda); ++a)
+        for (int b = 0; b < a; ++b) {
+          const Vec3 along = lambda * growth(a, b) * (middle(a) - middle(b));
+          force[a] -= along;
+          force[b] += along;
+        }
+    }
   });
 }
 

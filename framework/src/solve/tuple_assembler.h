@@ -18,6 +18,15 @@ class TupleAssembler {
   [[nodiscard]] std::size_t number() const { return number_; }
   enum class Part { stress, constant };
   void evaluate(const NodeVectors& now, const NodeVectors& lagged, Part part = Part::stress);
+  /// The force over a step from `from` to `to` with which energy is conserved, `middle` being their
+  /// mean (all N × 3): Σ F_a·Δr_a = −ΔE for each tuple. The secant stiffness is the mean of both
+  /// ends' (the force in the middle where a term has none), and what then is missing of the work
+  /// acts along the tuple's distances, |r_a − r_b|² being quadratic in r, so that it has neither a
+  /// resultant nor a moment (Gonzalez 1996, discrete gradients by invariants). `energies` are those
+  /// at `from` [J].
+  void evaluate_over_step(const NodeVectors& from, const NodeVectors& middle, const NodeVectors& to,
+                          const std::vector<double>& energies);
+  [[nodiscard]] bool has_potential() const { return traits_.potential; }
   void add_force(NodeVectors& f) const;
 
   template <class Visit>
@@ -45,6 +54,10 @@ class TupleAssembler {
   [[nodiscard]] std::int32_t node(std::size_t t, int a) const {
     return tuples_[t * static_cast<std::size_t>(width_) + static_cast<std::size_t>(a)];
   }
+  void evaluate_affine(const NodeVectors& now, const NodeVectors& lagged, bool with_k);
+  void add_missing_work(const NodeVectors& from, const NodeVectors& to,
+                        const std::vector<double>& energies_from,
+                        const std::vector<double>& energies_to);
   [[nodiscard]] bool is_explicit() const { return traits_.lagged == Lagged::none; }
   void check_tuples(Index nodes) const;
   [[nodiscard]] TupleBlock block(const NodeVectors& now, const NodeVectors& lagged, Index first,
@@ -58,6 +71,7 @@ class TupleAssembler {
   std::vector<std::int32_t> tuples_;  // (T × width), a copy: as checked, whatever the term does
   std::vector<double> k_;             // (T × width × width)
   std::vector<Vec3> force_;           // (T × width), of the last evaluation
+  std::vector<Vec3> force_at_end_;    // likewise, over a step, with the secant stiffness of its end
   std::vector<Index> begin_;          // of each node's (tuple, place) pairs
   std::vector<Index> places_;         // tuple * width + place, ascending within a node
   std::vector<double> h_;             // (T × 3 width × 3 width)

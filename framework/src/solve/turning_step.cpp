@@ -1,7 +1,9 @@
 #include "solve/turning_step.h"
 
 #include <algorithm>
-#include <string>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -9,11 +11,16 @@
 
 #include "deform/error.h"
 
+#include "solve/not_finite.h"
+
 namespace deform {
 namespace {
 
-/// Keeps the matrix of a free surface regular: translations, which no link knows.
-constexpr double kRegular = 1e-9;
+/// Keeps the matrix of a free surface regular: translations, which no link knows. Parts of the mean
+/// diagonal; an iterative solver may work in single precision, whose rounding must not outweigh it.
+constexpr double kRegular = 1e-9, kRegularInSinglePrecision = 2e-6;
+/// A fit whose residual is this part of what it is made of has nothing to correct but rounding.
+constexpr double kNegligible = 1e-12;
 /// Part of the fit's error that an iterative solver may leave: what it corrects is of second order.
 constexpr double kTolerance = 1e-2;
 
@@ -56,6 +63,26 @@ BlockMatrix pattern_of(const std::vector<TurningStep::Link>& links, Index nodes)
   return k;
 }
 
+/// Nodes that links join, directly or by others: each such set, ascending.
+std::vector<std::vector<Index>> joined(const std::vector<TurningStep::Link>& links, Index nodes) {
+  std::vector<Index> root(static_cast<std::size_t>(nodes));
+  std::iota(root.begin(), root.end(), Index{0});
+  const auto root_of = [&root](Index a) {
+    for (Index* up = &root[static_cast<std::size_t>(a)]; *up != a;
+         up = &root[static_cast<std::size_t>(a)])
+      a = *up = root[static_cast<std::size_t>(*up)];
+    return a;
+  };
+  for (const TurningStep::Link& link : links) {
+    const Index a = root_of(link.a), b = root_of(link.b);
+    root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+  std::vector<std::vector<Index>> sets(static_cast<std::size_t>(nodes));
+  for (Index a = 0; a < nodes; ++a) sets[static_cast<std::size_t>(root_of(a))].push_back(a);
+  std::erase_if(sets, [](const auto& set) { return set.empty(); });
+  return sets;
+}
+
 }  // namespace
 
 TurningStep::TurningStep(const Surface& surface, const NodeVectors& rest, const ReductionMap& map,
@@ -73,8 +100,20 @@ TurningStep::TurningStep(const Surface& surface, const NodeVectors& rest, const 
     laplacian_.block(a, b) -= block;
     sum += 2 * weight;
   }
-  regular_ =
-      NodeValues::Constant(surface.nodes(), kRegular * sum / static_cast<double>(surface.nodes()));
+  if (solver_.takes_rows()) find_floating(rest);
+  const bool is_singular = !floating_.empty();
+  const double mean = sum / static_cast<double>(surface.nodes());
+  regular_ = NodeValues::Constant(surface.nodes(),
+                                  (is_singular ? kRegularInSinglePrecision : kRegular) * mean);
+}
+
+void TurningStep::find_floating(const NodeVectors& rest) {
+  const std::vector<std::uint8_t> held = solver_.unknowns().held();
+  for (const std::vector<Index>& nodes : joined(links_, rest.rows()))
+    for (int c = 0; c < 3; ++c)
+      if (std::ranges::none_of(
+              nodes, [&](Index a) { return (held[static_cast<std::size_t>(a)] & (1U << c)) != 0; }))
+        floating_.push_back({c, nodes});
 }
 
 /// ω_a minimises Σ w |d_b − d_a − ω_a × e|² over the links of a.
@@ -103,14 +142,40 @@ double TurningStep::aim(const NodeVectors& r, const NodeVectors& d) {
   return largest;
 }
 
-std::string TurningStep::prepare() {
+bool TurningStep::prepare() {
   if (solver_.takes_rows()) solver_.put(laplacian_);
-  return solver_.factor_to_tolerance(regular_, regular_, true);
+  return solver_.factor_to_tolerance(regular_, regular_, true).empty();
+}
+
+void TurningStep::take_means_away(NodeVectors& field) const {
+  for (const auto& [c, nodes] : floating_) {
+    double sum = 0;
+    for (const Index a : nodes) sum += field(a, c);
+    const double mean = sum / static_cast<double>(nodes.size());
+    for (const Index a : nodes) field(a, c) -= mean;
+  }
+}
+
+/// Solves for the correction of positions; false where no solver can.
+bool TurningStep::fit() {
+  try {
+    take_means_away(pull_);
+    if (!is_prepared_) is_prepared_ = prepare();
+    if (!is_prepared_ || !solver_.solve_to_tolerance(kTolerance, pull_, correction_).empty())
+      return false;
+    take_means_away(correction_);
+    return correction_.allFinite();
+  } catch (const InputError&) {  // the scene names a solver that does not take this matrix
+    return false;
+  } catch (const NotFinite&) {
+    return false;
+  }
 }
 
 void TurningStep::take(double s, NodeVectors& r) {
   r = from_ + s * direction_;
   pull_.setZero(r.rows(), 3);
+  double at_work = 0;
   for (const auto& [a, b, weight] : links_) {
     const Vec3 e = from_.row(b) - from_.row(a), change = direction_.row(b) - direction_.row(a);
     const Vec3 turn = 0.5 * (turn_.row(a) + turn_.row(b));
@@ -118,14 +183,10 @@ void TurningStep::take(double s, NodeVectors& r) {
     const Vec3 left = weight * (target - Vec3(r.row(b) - r.row(a)));
     pull_.row(a) -= left;
     pull_.row(b) += left;
+    at_work += weight * weight * target.squaredNorm();
   }
-  std::string reason;
-  if (!is_prepared_) reason = prepare();
-  is_prepared_ = reason.empty();
-  if (is_prepared_) reason = solver_.solve_to_tolerance(kTolerance, pull_, correction_);
-  if (!reason.empty())
-    throw Error(ExitCode::diverged, "the matrix of links between nodes: " + reason);
-  r += correction_;
+  if (pull_.norm() <= kNegligible * std::sqrt(at_work)) return;
+  if (fit()) r += correction_;
 }
 
 }  // namespace deform

@@ -25,21 +25,31 @@ class TurningStep {
     double weight;  ///< 1/|e|² at rest [1/m²]
   };
 
-  /// Throws Error with ExitCode::diverged where positions cannot be fitted.
   TurningStep(const Surface& surface, const NodeVectors& rest, const ReductionMap& map,
               const std::vector<Freedom>& held, const SolverQueue::MakeSolvers& make_solvers);
 
   /// Takes a direction d at r (both N × 3). Returns the largest angle by which it turns [rad].
   double aim(const NodeVectors& r, const NodeVectors& d);
-  /// Positions after s times that direction.
+  /// Positions after s times that direction; r + s d where none can be fitted.
   void take(double s, NodeVectors& r);
 
  private:
-  [[nodiscard]] std::string prepare();
+  [[nodiscard]] bool prepare();
+  [[nodiscard]] bool fit();
+  void find_floating(const NodeVectors& rest);
+  void take_means_away(NodeVectors& field) const;
+
+  /// A component of nodes that links join, none of which is held in it: adding a constant to it
+  /// changes no link, so the fit is unique but for that. Found for iterative solvers.
+  struct Floating {
+    int component;
+    std::vector<Index> nodes;
+  };
   std::vector<Link> links_;
   BlockMatrix laplacian_;
-  NodeValues regular_;  // (N) [1/m²], added to it
   TangentSolver solver_;
+  std::vector<Floating> floating_;
+  NodeValues regular_;  // (N) [1/m²], added to the Laplacian
   bool is_prepared_ = false;
   NodeVectors from_, direction_, turn_;  // (N × 3) [m], [m], [rad]
   // Kept for their memory.

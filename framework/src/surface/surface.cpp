@@ -10,12 +10,10 @@
 #include "deform/error.h"
 
 #include "scene/nearest_name.h"
+#include "surface/patches.h"
 
 namespace deform {
 namespace {
-
-/// Nodes on the rim of a selection count, whatever the rounding of their parameters.
-constexpr double kRim = 1e-9;
 
 /// Numbers of nodes that a message lists.
 constexpr std::size_t kMostListed = 5;
@@ -29,9 +27,8 @@ class Selection {
   void add(const NodeSelector& selector) {
     switch (selector.form) {
       case NodeSelector::Form::centre:
-        return add_centre(selector.centre, selector.radius);
       case NodeSelector::Form::box:
-        return add_box(selector.lower, selector.upper);
+        return add_within(*rectangle_of(selector));
       case NodeSelector::Form::boundary:
         return add_named("boundary", selector.names, surface_.boundary_names(),
                          [this](const std::string& name) { return surface_.boundary(name); });
@@ -58,32 +55,11 @@ class Selection {
  private:
   void choose(Index node) { chosen_[static_cast<std::size_t>(node)] = true; }
 
-  void add_centre(const Vec2& centre, double radius) {
-    const double rim = kRim * std::max(radius, centre.lpNorm<Eigen::Infinity>());
-    const Vec2 reach = Vec2::Constant(radius + rim);
-    add_closed(centre - reach, centre + reach);
-  }
-
-  void add_box(const Vec2& lower, const Vec2& upper) {
-    const double scale = std::max(lower.lpNorm<Eigen::Infinity>(), upper.lpNorm<Eigen::Infinity>());
-    const Vec2 rim = Vec2::Constant(kRim * scale);
-    add_closed(lower - rim, upper + rim);
-  }
-
-  void add_closed(const Vec2& lower, const Vec2& upper) {
+  void add_within(const ParameterRectangle& rectangle) {
     const Eigen::MatrixX2d& a = surface_.parameters();
     const Vec2 period = surface_.period();
-    for (Index node = 0; node < a.rows(); ++node) {
-      if (is_between(a(node, 0), lower[0], upper[0], period[0]) &&
-          is_between(a(node, 1), lower[1], upper[1], period[1]))
-        choose(node);
-    }
-  }
-
-  /// On a joined side the interval may reach over the seam: some image of the parameter is in it.
-  static bool is_between(double a, double lower, double upper, double period) {
-    if (period > 0) a += period * std::ceil((lower - a) / period);
-    return a >= lower && a <= upper;
+    for (Index node = 0; node < a.rows(); ++node)
+      if (contains(rectangle, a.row(node), period)) choose(node);
   }
 
   void add_named(const std::string& what, const std::vector<std::string>& wanted,

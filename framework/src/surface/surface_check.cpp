@@ -25,6 +25,10 @@ class SurfaceCheck {
     if (nodes_ < 1) return {fmt::format("nodes() is {}, expected 1 at least", nodes_)};
     check_arrays();
     check_faces();
+    // Its default looks at the arrays and the faces, which must be sound.
+    if (contradictions_.empty() && surface_.rest_areas().size() != nodes_)
+      note("rest_areas() has {} rows, expected {}, the number of nodes",
+           surface_.rest_areas().size(), nodes_);
     for (const SampleRole role : {SampleRole::membrane, SampleRole::bending}) check_samples(role);
     const std::vector<Prolongation> linear = surface_.coarsening(),
                                     smooth = surface_.smooth_coarsening();
@@ -142,6 +146,9 @@ class SurfaceCheck {
       if (!(at.length > 0 && at.length < kInfinity))
         return note("{} has a length of {} at node {}, expected a finite one above 0", place,
                     at.length, at.node);
+      if (at.rest_length < 0)
+        return note("{} has a rest length of {} at node {}, expected 0 at least", place,
+                    at.rest_length, at.node);
       for (const auto* row : {&at.inwards, &at.along})
         for (const EdgeNode::Entry& entry : *row) {
           if (!is_node(entry.node)) return note_node(place, entry.node);

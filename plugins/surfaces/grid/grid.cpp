@@ -12,6 +12,8 @@
 #include "edges.h"
 #include "lattice.h"
 #include "node_samples.h"
+#include "patches.h"
+#include "rest_areas.h"
 
 namespace {
 using namespace deform;
@@ -64,12 +66,13 @@ class Grid final : public Surface {
     lattice_ = make_lattice(p);
     check_cells(p);
     parameters_ = grid::parameters(lattice_);
-    areas_ =
-        grid::areas(lattice_, p.weights == "area" ? grid::Weights::area : grid::Weights::equal);
+    weights_ = p.weights == "area" ? grid::Weights::area : grid::Weights::equal;
+    areas_ = grid::areas(lattice_, weights_);
     faces_ = grid::faces(lattice_);
     rest_ = positions(p.rest, p.size, setup);
     initial_ = p.initial.name.empty() ? rest_ : positions(p.initial, p.size, setup);
     check_closed(p);
+    rest_areas_ = grid::rest_areas(lattice_, areas_, rest_);
     make_samples(p);
   }
 
@@ -89,6 +92,13 @@ class Grid final : public Surface {
     return {length(0), length(1)};
   }
   [[nodiscard]] const NodeValues& areas() const override { return areas_; }
+  [[nodiscard]] NodeValues rest_areas() const override { return rest_areas_; }
+  /// Where all nodes weigh the same, a node is in a patch or not, as in the paper.
+  [[nodiscard]] NodeValues areas_within(
+      const std::vector<ParameterRectangle>& rectangles) const override {
+    return weights_ == grid::Weights::area ? grid::areas_within(lattice_, rectangles)
+                                           : Surface::areas_within(rectangles);
+  }
   [[nodiscard]] const NodeVectors& rest() const override { return rest_; }
   [[nodiscard]] const NodeVectors& initial() const override { return initial_; }
   [[nodiscard]] const Faces& faces() const override { return faces_; }
@@ -116,7 +126,7 @@ class Grid final : public Surface {
     return {lattice_.node(at % 2 == 0 ? 0 : lattice_.n[0] - 1, at < 2 ? 0 : lattice_.n[1] - 1)};
   }
   [[nodiscard]] std::vector<EdgeNode> edge(const std::string& name) const override {
-    return grid::edge(lattice_, name);
+    return grid::edge(lattice_, rest_, name);
   }
   [[nodiscard]] std::vector<Prolongation> coarsening() const override {
     return grid::coarsening(lattice_, grid::Interpolation::linear);
@@ -224,7 +234,8 @@ class Grid final : public Surface {
 
   grid::Lattice lattice_;
   Eigen::MatrixX2d parameters_;
-  NodeValues areas_;
+  grid::Weights weights_ = grid::Weights::area;
+  NodeValues areas_, rest_areas_;
   NodeVectors rest_, initial_;
   Faces faces_;
   std::optional<SampleSet> node_samples_, corner_samples_;

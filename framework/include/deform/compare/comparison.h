@@ -60,6 +60,7 @@ struct ComparisonOptions {
   bool force = false;                     ///< replace an existing comparison directory
   std::filesystem::path expectation;      ///< empty: none
   std::vector<std::string> command_line;  ///< for the manifest
+  std::string commit{};                   ///< of the program's sources, for the manifest
 };
 
 struct Comparison {

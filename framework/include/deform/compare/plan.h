@@ -1,6 +1,7 @@
 /// What a comparison runs: variants of one scene, and grids of values.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -49,6 +50,7 @@ struct ComparisonPlan {
   std::vector<PlannedRun> runs;  ///< in the order of the file and of the values
   std::string reference;         ///< a run's name
   std::string base;  ///< the scene without variants and variations, complete, as JSON text
+  std::vector<SceneFile> base_files{};  ///< that it names
 };
 
 /// The name of the run with the finer grid.
@@ -58,8 +60,11 @@ inline constexpr std::size_t kMostRuns = 1000;
 
 /// Reads and checks everything that is to be run. Throws InputError with every problem of the scene
 /// and of what replaces its values; what only shows when a run's parts are made (a force that no
-/// node takes) is a refused run, unless all are.
+/// node takes) is a refused run, unless all are. These parts are made in child processes, unless
+/// this one has several threads already: a plugin that ends the process is a run with its reason.
+/// Throws Error with ExitCode::interrupted when `interrupted` becomes true.
 [[nodiscard]] DEFORM_API ComparisonPlan plan_comparison(
-    const ComparisonRequest& request, const std::shared_ptr<const PluginRegistry>& registry);
+    const ComparisonRequest& request, const std::shared_ptr<const PluginRegistry>& registry,
+    const std::atomic<bool>* interrupted = nullptr);
 
 }  // namespace deform

@@ -21,8 +21,13 @@ class SampleSet;
 /// it is 0, and so is all that needs it.
 class GeometryBlock {
  public:
-  GeometryBlock(const double* data, Index stride, Index first, Index size)
-      : data_(data + first), stride_(stride), first_(first), size_(size) {}
+  GeometryBlock(const double* data, Index stride, Index first, Index size,
+                bool has_mean_strains = false)
+      : data_(data + first),
+        stride_(stride),
+        first_(first),
+        size_(size),
+        has_mean_strains_(has_mean_strains) {}
 
   [[nodiscard]] Index size() const { return size_; }
   /// Number of the block's first sample within its set (to index arrays of one's own).
@@ -47,6 +52,8 @@ class GeometryBlock {
   [[nodiscard]] ConstValues d(int i, int j) const {
     return values(kWeingarten + 2 * (i - 1) + (j - 1));
   }
+  /// Whether G and B are means of two states' (Geometry::make_mean), not those of the jet here.
+  [[nodiscard]] bool has_mean_strains() const { return has_mean_strains_; }
   /// Area element |r_1×r_2| = √(G_11 G_22 − G_12²) [1].
   [[nodiscard]] ConstValues area_element() const { return values(kAreaElement); }
 
@@ -67,6 +74,7 @@ class GeometryBlock {
   Index stride_;
   Index first_;
   Index size_;
+  bool has_mean_strains_;
 };
 
 /// The geometry of one state at every sample of one set: computed once, shared by all that need it.
@@ -97,9 +105,25 @@ class DEFORM_API Geometry {
   /// surface need have.
   void blend(double s, const Geometry& other);
 
+  /// Makes this the geometry of a step from r to r⁺ with which forces conserve energy and momenta:
+  /// jets at the middle r̄ = (r + r⁺)/2, whose geometry is `middle`, and
+  ///   G = (G(r) + G(r⁺))/2, B = (B(r) + B(r⁺))/2, n = (n(r) + n(r⁺))/2, not of length 1,
+  ///   Γ by r̄_ij = Γ^k_ij r̄_k + b_ij n.
+  /// With these, for any step, without remainder,
+  ///   ΔG_ij = r̄_i·Δr_j + r̄_j·Δr_i,  ΔB_ij = n·(Δr_ij − Γ^k_ij Δr_k),
+  /// which read as δG and δB of one state: G is quadratic in r, and for B it follows from
+  /// n·r_k = 0 and |n| = 1 at both ends, hence Δn·r̄_k = −n̄·Δr_k and Δn·n̄ = 0. A stress of the
+  /// mean G and B then does the work of the energy's change, and has no moment (Simo & Tarnow 1992,
+  /// where the strain is quadratic; the normal by the same argument). All of the same set; `from`
+  /// and `to` of at least the middle's detail.
+  void make_mean(const Geometry& middle, const Geometry& from, const Geometry& to);
+  /// Makes G and B their means with another state's of the same set; the rest stays.
+  void average_forms(const Geometry& other);
+  [[nodiscard]] bool has_mean_strains() const { return has_mean_strains_; }
+
   [[nodiscard]] Index size() const { return size_; }
   [[nodiscard]] GeometryBlock block(Index first, Index size) const {
-    return {data_.data(), stride_, first, size};
+    return {data_.data(), stride_, first, size, has_mean_strains_};
   }
   [[nodiscard]] GeometryBlock all() const { return block(0, size_); }
 
@@ -109,6 +133,7 @@ class DEFORM_API Geometry {
   Index size_ = 0, stride_ = 0;
   std::vector<double> data_;  // (kFields × stride)
   Detail detail_ = Detail::none;
+  bool has_mean_strains_ = false;
 };
 
 }  // namespace deform

@@ -19,6 +19,9 @@ class DEFORM_API Collider : public Plugin {
   /// For each of distance.size() points [m] at a time [s]: the distance to the body's surface [m],
   /// negative inside, and the unit vector along which it grows fastest.
   virtual void measure(double time, ConstVectors points, Values distance, Vectors normal) const = 0;
+  /// Whether the body, and so its distance as a function of place, is convex at all times: then few
+  /// looks tell where a node that moves far within a step comes in. Where it may not be, more do.
+  [[nodiscard]] virtual bool is_convex() const { return false; }
 };
 
 /// Distance and its gradient at one point.

@@ -44,6 +44,9 @@ class DEFORM_API EnergyTerm : public Plugin {
   static constexpr PluginKind kKind = PluginKind::energy;
   ~EnergyTerm() override;
   [[nodiscard]] virtual TermTraits traits() const = 0;
+  /// Mass per area that the term's material has at each node [kg/m²] (N), which holds where the
+  /// scene says no density; empty where the term knows none.
+  [[nodiscard]] virtual NodeValues mass_per_area() const { return {}; }
 };
 
 /// The operators that map stress-like vectors at samples back to forces at nodes: D_0ᵀ … D_22ᵀ, and

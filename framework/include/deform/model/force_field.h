@@ -17,7 +17,7 @@ struct NodeBlock {
   ConstVectors r;       ///< positions [m]
   ConstVectors v;       ///< velocities [m/s]
   ConstVectors normal;  ///< exact unit normals; only when traits().normals
-  ConstValues area;     ///< parameter area of each node [m²]
+  ConstValues area;     ///< of each node [m²], of the surface that mass goes by: Setup::areas()
   ConstValues mass;     ///< [kg]
   ConstVectors all_r;   ///< positions of all nodes, by number [m]; only when traits().neighbours
   ConstVectors all_v;   ///< velocities, likewise [m/s]

@@ -32,6 +32,10 @@ struct SheetMaterial {
   std::string source;
 
   [[nodiscard]] double mass_per_area() const { return density * caliper; }       ///< [kg/m²]
+  /// Of a sheet of the same make whose plate is of another thickness [m], in proportion [kg/m²].
+  [[nodiscard]] double mass_per_area(double of_thickness) const {
+    return mass_per_area() * (of_thickness / thickness);
+  }
   [[nodiscard]] double membrane_stiffness() const { return young * thickness; }  ///< [N/m]
   [[nodiscard]] double bending_rigidity() const {                                ///< [N·m]
     return young * thickness * thickness * thickness / (12 * (1 - poisson * poisson));

@@ -21,6 +21,9 @@ struct ParameterField {
   std::string doc;
   ParameterValue default_value;
   bool required = false;
+  /// When absent, another value takes its place, which the doc names; `default_value` then only
+  /// says that it is absent, to the plugin and nobody else.
+  bool optional = false;
   std::optional<double> minimum, maximum;  ///< each component's range
   bool minimum_excluded = false;
   bool may_be_infinite = false;      ///< the scene says "infinity"
@@ -38,6 +41,9 @@ class FieldRefinement {
   // NOLINTBEGIN(modernize-use-nodiscard)
   const FieldRefinement& required() const {
     return with([](auto& f) { f.required = true; });
+  }
+  const FieldRefinement& optional() const {
+    return with([](auto& f) { f.optional = true; });
   }
   const FieldRefinement& at_least(double v) const {
     return with([v](auto& f) { f.minimum = v; });

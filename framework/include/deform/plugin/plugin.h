@@ -41,9 +41,18 @@ class DEFORM_API Plugin {
   virtual void load(const Memory& memory);
 
   /// Of what makes a model (energies, forces, constraints, colliders): the longest step from a time
-  /// on that it stands [s]. Integrators that choose their steps end one there, and take shorter
-  /// ones where the scene's is longer. A pure function of time.
+  /// on that it stands [s]. Integrators that choose their steps take none longer. A pure
+  /// function of time.
   [[nodiscard]] virtual double longest_step(double time) const;
+
+  /// Of the same parts: the first time later than `after` [s] at which what the part does is not a
+  /// smooth function of time (a load that jumps or has a corner, a path with a corner); infinite
+  /// where there is none, as here. A pure function of time.
+  ///
+  /// The framework ends the integrator's steps there and has it start anew (Integrator::restart): a
+  /// method has its order, and a load its impulse, only where steps do not reach across. At the
+  /// time itself the part takes the values that hold from then on.
+  [[nodiscard]] virtual double next_break(double after) const;
 };
 
 }  // namespace deform

@@ -53,7 +53,8 @@ class DEFORM_API LoadedPlugin {
 };
 
 /// Finds plugins by kind and name: in the folders given, then in DEFORM_PLUGIN_PATH (absolute
-/// folders that are not world-writable), then in ../lib/deform/plugins from the program. Never in
+/// folders which, as all folders above them and the libraries within, belong to root or the user
+/// and nobody else may write), then in ../lib/deform/plugins from the program. Never in
 /// the current or the scene's folder.
 class DEFORM_API PluginRegistry {
  public:

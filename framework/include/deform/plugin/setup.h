@@ -1,6 +1,7 @@
 /// What a plugin's constructor is given to look at.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -19,13 +20,23 @@ class Surface;
 class Geometry;
 class SampleSet;
 
-/// Mass per parameter area and damping per parameter area of (16), and Rayleigh's damping.
+/// What mass, damping and loads per area and length are of.
+enum class AreaOf : std::uint8_t {
+  rest,       ///< the rest surface
+  parameters  ///< the rectangle of a1 and a2, as in (16)
+};
+
+/// Mass and damping per area as in (16), and Rayleigh's damping.
 struct Material {
   double density = 0.1;             ///< mu [kg/m²]
   double damping = 0.0;             ///< gamma [N·s/m³]
   double rayleigh_mass = 0.0;       ///< damping force as a multiple of mass · velocity [1/s]
   double rayleigh_stiffness = 0.0;  ///< and of stiffness · velocity [s], for all energies
+  AreaOf mass = AreaOf::rest;
 };
+
+/// (N) Areas of a surface's nodes that a material's mass goes by [m²].
+[[nodiscard]] DEFORM_API NodeValues areas_of_mass(const Surface& surface, const Material& material);
 
 /// The world at the time when a plugin object is made. Surfaces and shapes are made before there is
 /// a surface: they get a Setup without one.
@@ -41,6 +52,10 @@ class DEFORM_API Setup {
   /// own).
   [[nodiscard]] const NodeVectors& rest() const;
   [[nodiscard]] const Material& material() const { return material_; }
+  /// (N) area that each node stands for [m²], of the rest surface or of the parameters as the
+  /// scene's material says: what masses and loads per area go by. To be copied: it lasts while the
+  /// plugin is made.
+  [[nodiscard]] const NodeValues& areas() const;
   /// Relative file names in a scene start from its folder.
   [[nodiscard]] std::filesystem::path resolve(const std::filesystem::path& file) const;
 
@@ -55,7 +70,8 @@ class DEFORM_API Setup {
   /// The selected nodes, ascending, each once. Throws InputError when there are none.
   [[nodiscard]] std::vector<Index> select(const NodeSelection& where) const;
 
-  Setup& with_surface(const Surface& surface, const NodeVectors& rest);
+  /// All must outlive the Setup.
+  Setup& with_surface(const Surface& surface, const NodeVectors& rest, const NodeValues& areas);
   Setup& with_material(const Material& material);
   Setup& with_folder(std::filesystem::path folder);
 
@@ -65,6 +81,7 @@ class DEFORM_API Setup {
   Factory factory_;
   const Surface* surface_ = nullptr;
   const NodeVectors* rest_ = nullptr;
+  const NodeValues* areas_ = nullptr;
   Material material_;
   std::filesystem::path folder_;
 };

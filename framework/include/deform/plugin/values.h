@@ -32,12 +32,15 @@ struct DEFORM_API TimeProfile {
   std::vector<std::pair<double, double>> points;
 
   [[nodiscard]] double operator()(double time) const;
-  /// Time from `time` to the next corner or jump [s]; infinite where there is none. What is nearer
-  /// than rounding counts as passed. What Plugin::longest_step gives back.
+  /// The first corner or jump later than `after` [s]; infinite where there is none. What
+  /// Plugin::next_break gives back.
+  [[nodiscard]] double next_break(double after) const;
+  /// How long it is from `time` to that [s]; what is nearer than rounding of times counts as
+  /// passed.
   [[nodiscard]] double until_next_point(double time) const;
 };
-/// The same for any ascending times [s].
-[[nodiscard]] DEFORM_API double until_next(const std::vector<double>& times, double time);
+/// The first of ascending times that is later than `after` [s]; infinite where there is none.
+[[nodiscard]] DEFORM_API double first_after(const std::vector<double>& times, double after);
 
 /// One way to select nodes by their parameters (a1, a2) [m].
 struct NodeSelector {

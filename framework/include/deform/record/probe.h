@@ -29,6 +29,10 @@ class DEFORM_API Probe : public Plugin {
   [[nodiscard]] virtual std::vector<ProbeColumn> columns() const = 0;
   /// Called after every step, recorded or not.
   virtual void follow(const Frame& frame);
+  /// Called within a step at each time at which loads or supports are not smooth
+  /// (Plugin::next_break). The frame's step is the last that was completed, its step_size the time
+  /// since that or since the last such call; the state is at the time of the break.
+  virtual void follow_break(const Frame& frame);
   /// Writes one figure a column.
   virtual void measure(const Frame& frame, Values figures) = 0;
 };

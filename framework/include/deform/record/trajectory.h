@@ -30,7 +30,7 @@ struct TrajectoryField {
 /// The surface that a trajectory is of.
 struct TrajectoryMesh {
   Eigen::MatrixX2d parameters;  ///< (N × 2) (a1, a2) [m]
-  NodeValues areas;             ///< (N) parameter area of each node [m²]
+  NodeValues areas;             ///< (N) of each node, that mass goes by [m²]
   Faces faces;
   double size = 0;  ///< largest side of the rest state's bounding box [m]
 };
@@ -50,8 +50,9 @@ struct Moment {
 /// each field.
 class DEFORM_API Trajectory {
  public:
-  /// Throws InputError naming the file and the reason when it is not there or not a trajectory. A
-  /// last frame that is cut off does not count.
+  /// Throws InputError naming the file and the reason when it is not there or not a trajectory: a
+  /// count, a corner or a moment is not what it can be. A last frame that is cut off does not
+  /// count.
   explicit Trajectory(std::filesystem::path file);
 
   [[nodiscard]] const TrajectoryMesh& mesh() const { return mesh_; }
@@ -59,15 +60,17 @@ class DEFORM_API Trajectory {
   /// In ascending order.
   [[nodiscard]] const std::vector<Moment>& moments() const { return moments_; }
   [[nodiscard]] std::size_t frames() const { return moments_.size(); }
-  /// (N × 3) [m]. Throws Error when the file cannot be read any more.
+  /// (N × 3) [m], finite. Throws InputError when the file cannot be read any more or is damaged.
   [[nodiscard]] NodeVectors positions(std::size_t frame) const;
   /// (N) in the field's unit; not finite where there is no figure.
   [[nodiscard]] std::vector<float> field(std::size_t frame, std::size_t field) const;
 
  private:
   void read_header();
-  void read_mesh(std::size_t faces, std::size_t corners);
+  void read_mesh(std::size_t nodes, std::size_t faces, std::size_t corners);
+  void check_mesh() const;
   void find_moments();
+  [[nodiscard]] std::size_t place_of(std::size_t frame) const;
   void read(std::size_t at, void* to, std::size_t bytes) const;
   [[nodiscard]] std::size_t nodes() const { return static_cast<std::size_t>(mesh_.areas.size()); }
   [[nodiscard]] std::size_t frame_bytes() const;
@@ -77,6 +80,7 @@ class DEFORM_API Trajectory {
   TrajectoryMesh mesh_;
   std::vector<TrajectoryField> fields_;
   std::vector<Moment> moments_;
+  std::uintmax_t bytes_ = 0;     // of the file
   std::size_t first_frame_ = 0;  // bytes before it
 };
 

@@ -13,22 +13,6 @@
 
 namespace deform {
 
-struct RunOptions {
-  std::filesystem::path folder;  ///< the run directory; made, must not exist unless `force`
-  /// Goes on from the checkpoint in the folder, to the same bits as without interruption; where
-  /// there is none, starts anew with a warning. `force` does not count then.
-  bool resume = false;
-  bool force = false;  ///< replace an existing run directory
-  /// Also writes where the time of the steps went: profile.txt, a table, and trace.json, for
-  /// chrome://tracing and Perfetto. Changes no other result.
-  bool profile = false;
-  /// Called after each step with the steps done and to do.
-  std::function<void(long done, long total)> progress;
-  const std::atomic<bool>* interrupted =
-      nullptr;                            ///< ends the run within a step when it becomes true
-  std::vector<std::string> command_line;  ///< for the manifest
-};
-
 struct RunResult {
   ExitCode code = ExitCode::done;
   std::string reason;  ///< empty when done
@@ -41,6 +25,31 @@ struct RunResult {
   double stepping_seconds =
       0;                ///< of wall_seconds: from the first step to the last, recording included
   std::string profile;  ///< the table of profile.txt; empty unless asked for
+  /// The run took no step, and the one that it was to replace (RunOptions::force) is still there.
+  bool kept_old_run = false;
+};
+
+struct RunOptions {
+  std::filesystem::path folder;  ///< the run directory; made, must not exist unless `force`
+  /// Goes on from the checkpoint in the folder, to the same bits as without interruption; where
+  /// there is none, starts anew with a warning. `force` does not count then.
+  bool resume = false;
+  bool force = false;  ///< replace an existing run directory
+  /// Also writes where the time of the steps went: profile.txt, a table, and trace.json, for
+  /// chrome://tracing and Perfetto. Changes no other result.
+  bool profile = false;
+  /// Called after each step with the steps done and to do.
+  std::function<void(long done, long total)> progress;
+  /// Ends the run when it becomes true: after the step under way if that ends within half a second;
+  /// else the step is thrown away, and the run ends at its last checkpoint.
+  const std::atomic<bool>* interrupted = nullptr;
+  /// Called, in place of a return, from another thread, where a step goes on for 1.5 s though it
+  /// was told to end: in a factorisation that cannot be stopped, say, or in a plugin that hangs.
+  /// The run directory is complete then. It must end the process, whose step still goes on. Empty:
+  /// the run waits for the step.
+  std::function<void(const RunResult&)> abandon{};
+  std::vector<std::string> command_line;  ///< for the manifest
+  std::string commit{};                   ///< of the program's sources, for the manifest
 };
 
 /// How a run ended: "done", "diverged", "plugin failed", "interrupted" or "failed".

@@ -57,6 +57,12 @@ struct InitialVelocity {
   std::optional<Vec3> about;    ///< [m]; none: the centre of mass of the initial state
 };
 
+/// A file that a scene names: the map of a field, the positions of a shape.
+struct SceneFile {
+  std::string pointer;         ///< where the scene says it
+  std::filesystem::path path;  ///< absolute
+};
+
 /// A scene with defaults filled in; every plugin that it names exists and every parameter is in
 /// range.
 struct DEFORM_API Scene {
@@ -65,6 +71,7 @@ struct DEFORM_API Scene {
   std::string title;
   PluginUse surface;
   Material material;
+  bool density_is_given = false;  ///< else a sheet that an energy's material names may have one
   std::vector<PluginUse> energies, forces, constraints;
   std::vector<ColliderUse> colliders;
   PluginUse integrator;
@@ -86,6 +93,7 @@ struct DEFORM_API Scene {
   std::vector<Replacement> changes;   ///< made to the base: the variant's, then replacements
   std::vector<std::string> dropped;   ///< pointers of parameters that a plugin put in has not
   std::string completed;              ///< the scene as JSON text with every default written out
+  std::vector<SceneFile> files;       ///< that it names, in the order of the text
 
   /// Where the value at a JSON pointer was written: "FILE:LINE:COLUMN" or "--set POINTER".
   std::function<std::string(const std::string& pointer)> place;

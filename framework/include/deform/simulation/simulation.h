@@ -1,6 +1,8 @@
 /// A simulation: a scene's model, its integrator and its state.
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -20,9 +22,19 @@ class DEFORM_API Simulation {
   Simulation(Scene scene, std::shared_ptr<const PluginRegistry> registry, bool mirrored = false);
   ~Simulation();
 
-  /// One step of the scene's integrator. Throws Diverged when the state is not finite or a node is
-  /// beyond all bounds, PluginFailure when a plugin throws; the state is then that before the step.
-  void step();
+  /// What is told of a state within a step: see `step`.
+  using AtBreak = std::function<void(const Frame&)>;
+  /// One step of the scene, in parts that end where the model is not smooth in time
+  /// (Plugin::next_break); `at_break` sees the state there, with Frame::step_size the length of the
+  /// part that ends. Statics, which look for the equilibrium at the step's end, take it as a whole.
+  /// Throws Diverged when the state is not finite or a node is beyond all bounds, PluginFailure
+  /// when a plugin throws; the state is then that before the step.
+  void step(const AtBreak& at_break = {});
+
+  /// From now on a step throws Error with ExitCode::interrupted soon after `stop` becomes true, and
+  /// so do those of `mirrored` runs made later. The state is then that before the step, but plugins
+  /// may remember something of it: go on from what was saved before. Null: nothing stops steps.
+  void stop_when(const std::atomic<bool>* stop);
 
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] System& system();

@@ -31,15 +31,11 @@ struct Stage {
   /// s T(earlier), so that a turn by a large angle is no strain; or, `by_strains` false, as those
   /// of v at r.
   bool by_strains = false;
+  /// Whether energies are of the mean strains of a step from `start`, of which the stage is the
+  /// middle (System::average_strains_from).
+  bool averages_strains = false;
   double s = 0;
   NodeVectors earlier{};
-};
-
-/// A node that a collider pushes.
-struct Touch {
-  Index node = 0;
-  Vec3 normal = Vec3::UnitZ();  ///< away from the collider
-  bool sticks = false;          ///< friction lets it slide nowhere
 };
 
 /// How a stage is solved.
@@ -86,9 +82,12 @@ class DEFORM_API ImplicitStage {
   /// Whether a better guess than r + h v is worth while: `newton_error` is set.
   [[nodiscard]] bool counts_corrections() const;
 
-  /// What colliders pushed in the last solution, nodes ascending; a node that two push is there
-  /// twice.
-  [[nodiscard]] std::vector<Touch> touching() const;
+  /// Nodes that colliders pushed in the last solution, ascending; one that two push is there twice.
+  [[nodiscard]] std::vector<Index> touching() const;
+  /// Makes velocities at the end of a step whose stage was solved those that contact leaves: as
+  /// formulas of several points in time have them, what was stopped within the step would go on, or
+  /// back.
+  void settle(const System& system, const Stage& stage, double step, State& end) const;
   /// False where colliders are left to System::collide.
   [[nodiscard]] bool resolves_contacts() const;
 

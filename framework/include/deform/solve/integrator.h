@@ -1,6 +1,8 @@
 /// Integrators: from one recorded time to the next.
 #pragma once
 
+#include <cstdint>
+
 #include "deform/plugin/descriptor.h"
 #include "deform/solve/system.h"
 
@@ -14,8 +16,21 @@ class DEFORM_API Integrator : public Plugin {
   /// Advances r, v and time by exactly `step` seconds, in as many substeps as it likes; prescribed
   /// components end where the constraints say.
   virtual void advance(System& system, State& state, double step) = 0;
+  /// Called between two calls of `advance` where loads or supports are not smooth in time
+  /// (Plugin::next_break; the framework divides the scene's step there): accelerations, and
+  /// velocities of what is moved, may jump. What a method remembers of earlier steps, to go on from
+  /// it, is not of the motion that follows. Methods that take each step by itself need nothing.
+  virtual void restart() {}
   /// Whether it looks for equilibria, so that inertia has no say: nothing falls or swings.
   [[nodiscard]] virtual bool is_static() const { return false; }
+  /// What it has the System solve, so that a solver which a scene names and that cannot is refused
+  /// before anything is written.
+  enum class Solves : std::uint8_t {
+    nothing,   ///< it is explicit: System::accelerate at most
+    lagged,    ///< System::solve
+    tangents,  ///< System::factor_tangent, solve_tangent_to or factor_jacobian
+  };
+  [[nodiscard]] virtual Solves solves() const { return Solves::lagged; }
   /// Whether its steps end outside of colliders, friction included; else the framework calls
   /// System::collide after each.
   [[nodiscard]] virtual bool resolves_contacts() const { return false; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <exception>
+#include <memory>
 #include <string>
 
 #include "deform/export.h"
@@ -9,6 +10,8 @@
 #include "deform/solve/integrator.h"
 
 namespace deform {
+
+class Headway;
 
 /// Parameters that every such integrator has; a plugin's own derive from it and call
 /// `StepControl::declare(d)` in their `declare`.
@@ -33,16 +36,19 @@ struct StepControl {
 ///
 /// A step that fails (no solution, a number that is not finite, a plugin that asks for a shorter
 /// one) is tried again with half of it, ten times at most, which the log says; later ones grow
-/// again. Steps end where the model's parts stand no longer one (Plugin::longest_step). Without
-/// error control the parts of a scene's step end with it. With it, steps go on beyond, as long as
-/// the local error allows, and recorded states are interpolated by cubic Hermite polynomials
-/// (third order in r).
+/// again. Steps end where the model's parts stand no longer one (Plugin::longest_step), and where
+/// the model is not smooth in time (Plugin::next_break). Without error control the parts of a
+/// scene's step end with it. With it, steps go on beyond, as long as the local error allows, and
+/// recorded states are interpolated by cubic Hermite polynomials (third order in r).
 class DEFORM_API SteppedIntegrator : public Integrator {
  public:
   explicit SteppedIntegrator(StepControl control);
   ~SteppedIntegrator() override;
 
   void advance(System& system, State& state, double step) final;
+  /// As if there had been no step yet, unless a derived class tells what goes on (contact, say)
+  /// from what does not.
+  void restart() override { forget(); }
   [[nodiscard]] bool resolves_contacts() const final { return true; }
   /// A derived class that remembers anything overrides both and calls these.
   void save(Memory& memory) const override;
@@ -67,8 +73,9 @@ class DEFORM_API SteppedIntegrator : public Integrator {
   /// The next step does not go on from the last one.
   virtual void forget();
 
-  /// When loads are looked at for the end of a step: what jumps there belongs to the next step.
-  [[nodiscard]] static double just_before(double end, double step) { return end - 1e-9 * step; }
+  /// When loads are looked at for a time of the step that begins at `begin`, whose length is
+  /// `step`: within it, as what jumps at its ends belongs to the steps before and after.
+  [[nodiscard]] static double within_step(double time, double begin, double step);
   /// Whether attempts are asked for an error.
   [[nodiscard]] bool with_error() const { return control_.error > 0; }
   /// A state in a memory, under names that begin with `name`.
@@ -80,20 +87,24 @@ class DEFORM_API SteppedIntegrator : public Integrator {
   [[nodiscard]] bool goes_on_from(const State& state) const;
   void advance_fixed(System& system, State& state, double step);
   void advance_adaptive(System& system, State& state, double step);
+  void require_representable_error(const System& system, const State& state) const;
+  void require_headway(double h, double step) const;
   /// Tries once, with `to` amended by colliders; never throws what a shorter step may mend.
   [[nodiscard]] Attempt try_step(System& system, const State& from, double step, State& to);
   void shorten(double& step, double wanted, const std::string& why);
   void count(System& system, double step);
-  [[nodiscard]] double error_of(const System& system, const NodeVectors& error) const;
+  [[nodiscard]] static double error_of(const System& system, NodeVectors error);
+  void require_last_step() const;
   void interpolate(const System& system, double time, State& state) const;
 
   StepControl control_;
-  State last_;                // that advance gave back
-  State to_;                  // end of the step that is tried
-  State left_, right_;        // ends of the last step, with error control
-  double next_ = 0;           // step to try next [s]; 0: not known
-  double longest_ = 0;        // that a plugin asked for in the last try [s]; 0: half
-  int halvings_ = 0;          // since a step was taken
+  State last_;          // that advance gave back
+  State to_;            // end of the step that is tried
+  State left_, right_;  // ends of the last step, with error control
+  double next_ = 0;     // step to try next [s]; 0: not known
+  double longest_ = 0;  // that a plugin asked for in the last try [s]; 0: half
+  int halvings_ = 0;    // since a step was taken
+  std::unique_ptr<Headway> headway_;
   std::exception_ptr cause_;  // of the last failure, where it was thrown
 };
 

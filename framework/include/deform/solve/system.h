@@ -2,6 +2,7 @@
 /// linear solves.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -49,6 +50,7 @@ struct Body {
 struct ModelParts {
   std::shared_ptr<const Surface> surface;
   NodeVectors rest;    ///< (N × 3) [m]
+  NodeValues areas;    ///< (N) A, that mass and loads per area go by: Setup::areas() [m²]
   NodeValues mass;     ///< (N) mu A [kg]
   NodeValues damping;  ///< (N) gamma A [N·s/m]
   std::vector<Named<EnergyTerm>> energies;
@@ -80,13 +82,27 @@ struct StepReport {
   double potential_change = 0;
 };
 
-/// A free node near a collider.
+/// A node near a collider that can push it: no constraint holds it along the normal.
 struct NodeContact {
   Index node = 0;
   std::size_t body = 0;         ///< its number among the scene's colliders
   double gap = 0;               ///< distance less the collider's thickness; negative inside [m]
   Vec3 normal = Vec3::UnitZ();  ///< along which the distance grows
   double friction = 0;          ///< Coulomb's coefficient
+  /// n·∂r/∂q (∂r/∂q)ᵀ n with the unknowns q that the node follows: 1 where nothing holds it.
+  double mobility = 1;
+  /// Whether the node has come in on another side than the nearest: the gap is then to the tangent
+  /// plane where it came in, and may be kept as that of a plane.
+  bool crossed = false;
+};
+
+/// Impulse of a collider on a node within a step, per mass [m/s].
+struct ContactImpulse {
+  Index node = 0;
+  std::size_t body = 0;  ///< its number among the scene's colliders
+  Vec3 normal = Vec3::UnitZ();
+  double push = 0;          ///< along the normal
+  Vec3 rub = Vec3::Zero();  ///< of friction
 };
 
 /// What a tangent is evaluated for.
@@ -115,6 +131,7 @@ class DEFORM_API System {
   [[nodiscard]] Index nodes() const;
   [[nodiscard]] const Surface& surface() const;
   [[nodiscard]] const NodeVectors& rest() const;
+  [[nodiscard]] const NodeValues& areas() const;
   [[nodiscard]] const NodeValues& mass() const;
   [[nodiscard]] const NodeValues& damping() const;
   [[nodiscard]] const Reduction& reduction() const;
@@ -123,6 +140,10 @@ class DEFORM_API System {
   /// Says that a step starts here: `previous_geometry` is that of this state until the next call;
   /// `geometry` stays what it is.
   void begin_step(const State& state);
+  /// From now on whatever evaluates, factorises or solves throws Error with ExitCode::interrupted
+  /// as soon as `stop` is true: an integrator's step ends there, whatever the integrator. What a
+  /// step has made until then is to be thrown away. Null: nothing stops them.
+  void stop_when(const std::atomic<bool>* stop);
   /// Makes `geometry` that of a state; computes it unless it is known (same positions).
   void update_geometry(const State& state);
   /// Geometry of the last updated state, of the state at which the last step began, and of the rest
@@ -167,6 +188,14 @@ class DEFORM_API System {
   /// count as a strain. Such damping is the gradient of `damping_potential`. `rate` 0 ends that.
   void measure_strains_from(double rate, const NodeVectors& r, double s = 0,
                             const NodeVectors& earlier = {});
+  /// From now on, states are the middle of a step from r (N × 3) to 2 r_state − r, and energies
+  /// that know strains (TermTraits::strains), or live on tuples of nodes, are those of the mean of
+  /// the strains at both ends, their forces those that conserve energy and momenta over the step
+  /// (Geometry::make_mean; Simo & Tarnow 1992). These forces are no gradient: what is not one of
+  /// the mean strains' energy is part of force_beside_potential; tangents are symmetric and exact
+  /// but for the turn within a step. `end_average_of_strains` ends that.
+  void average_strains_from(const NodeVectors& r);
+  void end_average_of_strains();
   /// Of the state, where strains are so measured [J].
   [[nodiscard]] double damping_potential(const State& state);
   /// (N × 3) all that damps at a state: −`damping` times velocity, and damping of materials [N].
@@ -234,11 +263,16 @@ class DEFORM_API System {
   /// Solves TᵀMT a = Tᵀf for accelerations T a of what is free; those of prescribed components are
   /// 0 (both N × 3).
   void accelerate(const NodeVectors& f, NodeVectors& acceleration);
-  /// Writes the velocities of prescribed components [m/s], that with which they come to a time, and
-  /// of those tied to others.
-  void prescribe_velocity(double time, NodeVectors& v) const;
+  /// Writes the velocities of prescribed components [m/s] at a time, and of those tied to others,
+  /// by differences of positions within `reach` [s] of it: before it where that is positive, after
+  /// it where negative. The two differ where a path has a corner; a step's length with its sign
+  /// looks at that step alone, and is right in any unit of time.
+  void prescribe_velocity(double time, double reach, NodeVectors& v) const;
   /// The longest step from a time on that every part of the model stands [s].
   [[nodiscard]] double longest_step(double time) const;
+  /// The first time later than `after` at which some part of the model is not smooth in time [s];
+  /// infinite where there is none. Throws PluginFailure where one names an earlier time.
+  [[nodiscard]] double next_break(double after) const;
   /// Tᵀf in place (N × 3): what acts on free components, that on tied ones included.
   void reduce_force(NodeVectors& f) const;
   /// Writes the prescribed components [m] at a time, and those that are tied to others; leaves
@@ -250,19 +284,25 @@ class DEFORM_API System {
   /// step ends with.
   void constrain(const NodeVectors& before, double step, State& after) const;
 
-  /// Puts nodes that `after` has inside of a collider on its surface, with friction; their velocity
-  /// becomes that of the way from `before` (N × 3), `step` seconds earlier. Nodes with a prescribed
-  /// component stay.
-  void collide(const NodeVectors& before, double step, State& after);
-  /// The free nodes whose gap to a collider is less than `within` [m] at a time, were they at
-  /// `r` (N × 3); nodes ascending, each collider by itself.
-  void find_contacts(double time, const NodeVectors& r, double within,
+  /// Puts nodes that `after` has inside of a collider, or on the other side of one than they were
+  /// at `before` (N × 3), `step` seconds earlier, on its surface, with friction; their velocities
+  /// become those after an inelastic impact. What constraints hold of a node stays. Returns which
+  /// nodes, ascending.
+  std::vector<Index> collide(const NodeVectors& before, double step, State& after);
+  /// The nodes whose gap to a collider is less than `within` [m] at a time, were they at `r`,
+  /// having come from `from` (both N × 3); each collider by itself, nodes ascending.
+  void find_contacts(double time, const NodeVectors& from, const NodeVectors& r, double within,
                      std::vector<NodeContact>& contacts) const;
+  /// Makes velocities at a state, which a step of so many seconds ends with, those that contact
+  /// leaves: a node does not move into a collider, nor away from it by a push alone, and what
+  /// slides is slowed by friction × push. `impulses`: what the velocities know of it.
+  void settle(double step, const std::vector<ContactImpulse>& impulses, State& state) const;
   [[nodiscard]] std::size_t colliders() const;
   /// (M) Distance of points (M × 3) to the nearest collider at a time, negative inside [m];
   /// infinite where there is none.
   [[nodiscard]] NodeValues clearance(double time, const NodeVectors& points) const;
-  /// Throws InputError when a free node begins inside of a collider by more than `slack` [m].
+  /// Throws InputError when a node that a collider can push begins inside of it by more than
+  /// `slack` [m].
   void require_outside_of_colliders(const NodeVectors& r, double slack) const;
 
   /// Energy of one term at a state [J] (coefficients lagged at the same state).

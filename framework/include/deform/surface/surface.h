@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "deform/plugin/descriptor.h"
+#include "deform/plugin/field.h"
 #include "deform/surface/prolongation.h"
 #include "deform/surface/sample_set.h"
 #include "deform/types.h"
@@ -34,7 +35,10 @@ struct EdgeNode {
     double coefficient = 0;  ///< [1/m]
   };
   Index node = 0;
-  double length = 0;           ///< of the boundary that the node stands for, in parameters [m]
+  double length = 0;  ///< of the boundary that the node stands for, in parameters [m]
+  /// The same of the rest surface's boundary [m]: what loads per length go by. Exactly `length`
+  /// where a1 and a2 are lengths; 0 where the surface does not say, which means `length`.
+  double rest_length = 0;
   std::vector<Entry> inwards;  ///< the derivative across the boundary, towards the inside
   std::vector<Entry> along;    ///< along the boundary, counter-clockwise around the surface
 };
@@ -52,6 +56,17 @@ class DEFORM_API Surface : public Plugin {
   [[nodiscard]] virtual Vec2 period() const { return Vec2::Zero(); }
   /// (N) parameter area of each node [m²].
   [[nodiscard]] virtual const NodeValues& areas() const = 0;
+  /// (N) area of the rest surface that each node stands for [m²]: what mass, damping and loads per
+  /// area go by. Their sum is the rest surface's area, if `areas` sum to the parameters'. Exactly
+  /// `areas` where the rest surface is flat and a1 and a2 are lengths. Default: `areas` times the
+  /// quotient of rest and parameter area of the faces around each node.
+  [[nodiscard]] virtual NodeValues rest_areas() const;
+  /// (N) parameter area of each node within some rectangles [m²], once where these overlap; sides
+  /// that are joined go round. What loads on a patch are shared by: Σ is the patch's area within
+  /// the surface and Σ a1, Σ a2 its centroid's where the surface can say. Default: `areas` of the
+  /// nodes within.
+  [[nodiscard]] virtual NodeValues areas_within(
+      const std::vector<ParameterRectangle>& rectangles) const;
   /// (N × 3) rest and initial positions [m].
   [[nodiscard]] virtual const NodeVectors& rest() const = 0;
   [[nodiscard]] virtual const NodeVectors& initial() const = 0;
@@ -87,5 +102,10 @@ class DEFORM_API Surface : public Plugin {
 /// unknown.
 [[nodiscard]] DEFORM_API std::vector<Index> select_nodes(const Surface& surface,
                                                          const NodeSelection& where);
+/// (N) parameter area that a selection takes of each node [m²]: of patches (`centre` with a radius,
+/// `box` with two extents) as the surface's `areas_within` has it, of nodes, corners, sides and
+/// lines all of the nodes. Throws as select_nodes does, but for patches between nodes.
+[[nodiscard]] DEFORM_API NodeValues select_areas(const Surface& surface,
+                                                 const NodeSelection& where);
 
 }  // namespace deform

@@ -1,0 +1,51 @@
+#include "simulation/held_folder.h"
+
+#include <system_error>
+#include <utility>
+
+#include "simulation/old_run.h"
+#include "simulation/run_directory.h"
+
+namespace deform {
+
+namespace fs = std::filesystem;
+
+HeldFolder::HeldFolder(const fs::path& folder, FolderUse use)
+    : folder_(fs::absolute(folder)), use_(use) {
+  require_unheld(folder);
+  check_run_directory(folder, use != FolderUse::made);  // in the user's own words
+  std::error_code error;
+  if (!fs::is_directory(folder_, error)) return;
+  lock_.emplace(folder_);
+  give_old_run_back(folder_);
+}
+
+void HeldFolder::take() {
+  if (lock_) return;
+  std::error_code error;
+  if (!fs::is_directory(folder_, error)) make_run_directory(folder_);
+  lock_.emplace(folder_);
+  if (!holds_nothing(folder_)) check_run_directory(folder_, use_ != FolderUse::made);
+}
+
+void HeldFolder::begin_anew() {
+  take();
+  if (use_ == FolderUse::replaced && !holds_nothing(folder_)) {
+    has_old_ = true;
+    set_old_run_aside(folder_);
+  } else {
+    make_run_directory(folder_);
+  }
+}
+
+void HeldFolder::drop_old() {
+  if (std::exchange(has_old_, false)) drop_old_run(folder_);
+}
+
+bool HeldFolder::give_old_back() {
+  if (!std::exchange(has_old_, false)) return false;
+  give_old_run_back(folder_);
+  return true;
+}
+
+}  // namespace deform

@@ -1,0 +1,301 @@
+"""How `deform` ends, and what it says on the way: signals, plugins that end the process, streams that cannot
+be written, texts that terminals take for orders."""
+
+import copy
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+from pathlib import Path
+
+from test_broken_plugins import BrokenPlugins, FIXTURES, PROGRAM, SHEET, TIMEOUT, sheet
+
+DONE, INTERNAL, BAD_INPUT, PLUGIN_FAILED, INTERRUPTED = 0, 1, 2, 4, 130
+
+# With AddressSanitizer signals are its own.
+HAS_SANITIZER = b"__asan_init" in Path(PROGRAM).read_bytes()
+
+INTEGRATORS = [{"plugin": name} for name in ("semi_implicit", "symplectic_euler", "runge_kutta", "backward_euler",
+                                             "implicit_midpoint", "bdf2", "static")]
+INTEGRATORS.append({"plugin": "backward_euler", "error": 1e-3})
+
+
+def held_sheet(**changes):
+    """What every integrator can do: soft enough for explicit steps, held all round for statics."""
+    scene = copy.deepcopy(SHEET)
+    scene["energies"][0]["eta"] = 1.0
+    scene["forces"] = [{"plugin": "gravity", "acceleration": [0, 0, -0.1]}]
+    scene["constraints"] = [{"plugin": "pin", "where": {"boundary": "all"}}]
+    scene.update(changes)
+    return scene
+
+
+def slow_sheet(integrator, **changes):
+    """Each evaluation from the third step on (explicit steps: the fourth) takes as many seconds as
+    DEFORM_FIXTURE_SECONDS says; none where it says nothing."""
+    scene = held_sheet(integrator={**integrator, "step": 0.02}, checkpoint={"every": 1})
+    scene["energies"][1] = {"plugin": "bending_variational", "xi": 1e-6}
+    scene["forces"].append({"plugin": "slow", "from": 0.041})
+    scene.update(changes)
+    return scene
+
+
+class Interrupted(BrokenPlugins):
+    def start(self, *arguments, seconds):
+        process = subprocess.Popen([PROGRAM, *map(str, arguments)], text=True, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, stdin=subprocess.DEVNULL,
+                                   env={**os.environ, "DEFORM_FIXTURE_SECONDS": str(seconds)})
+        self.addCleanup(process.kill)
+        return process
+
+    def wait_for_second_step(self, process, folder):
+        """Until its row is there: the third is being taken then."""
+        deadline = time.monotonic() + TIMEOUT
+        table = folder / "probes.csv"
+        while not (table.exists() and table.read_text().count("\n") >= 4):
+            self.assertIsNone(process.poll(), "ended by itself")
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.02)
+
+    def stop_in_a_long_step(self, process, *folders):
+        for folder in folders:
+            self.wait_for_second_step(process, folder)
+        time.sleep(0.3)  # explicit steps have one more to go
+        process.send_signal(signal.SIGTERM)
+        # The step would take minutes. No test is timed: on a machine at work two seconds become more.
+        _, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        return said
+
+    def resumes_to_the_same_bits(self, scene, *arguments):
+        whole = self.folder / "whole"
+        self.assertEqual(self.deform("run", scene, "--out", whole, "--force", *arguments).returncode, DONE)
+        result = self.deform("run", scene, "--out", self.out, "--resume", *arguments)
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        for name in ("probes.csv", "trajectory.bin"):
+            self.assertEqual((self.out / name).read_bytes(), (whole / name).read_bytes(), name)
+
+    def stops_and_resumes(self, integrator, seconds):
+        scene = self.write(slow_sheet(integrator))
+        arguments = ("--plugin-path", FIXTURES)
+        process = self.start("run", scene, "--out", self.out, "--force", *arguments, seconds=seconds)
+        said = self.stop_in_a_long_step(process, self.out)
+        self.assertRegex(said, "interrupted within step [34] of 5.*--resume goes on after step [23]")
+        for name in ("summary.json", "manifest.json"):
+            found = json.loads((self.out / name).read_text())
+            self.assertEqual(found["status"], "interrupted")
+            self.assertIn(found["steps"], (2, 3))
+        self.resumes_to_the_same_bits(scene, *arguments)
+
+    def test_where_nobody_asks(self):
+        """A single evaluation takes minutes, as a factorisation may."""
+        for integrator in INTEGRATORS:
+            with self.subTest(integrator=integrator):
+                self.stops_and_resumes(integrator, 120)
+
+    def test_between_evaluations(self):
+        """A step takes minutes, with hundreds of evaluations for its Jacobian's differences."""
+        for name in ("backward_euler", "static"):
+            with self.subTest(integrator=name):
+                self.stops_and_resumes({"plugin": name}, 0.4)
+
+    def test_the_second_signal_ends_it_at_once(self):
+        scene = self.write(slow_sheet({"plugin": "static"}))
+        process = self.start("run", scene, "--out", self.out, "--plugin-path", FIXTURES, seconds=120)
+        self.wait_for_second_step(process, self.out)
+        process.send_signal(signal.SIGTERM)
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, INTERRUPTED)
+        self.resumes_to_the_same_bits(scene, "--plugin-path", FIXTURES)
+
+    def test_a_comparison(self):
+        scene = slow_sheet({"plugin": "static"}, variants={"stiff": {"/energies/0/eta": 2.0}})
+        process = self.start("compare", self.write(scene), "--out", self.out, "--jobs", "2", "--plugin-path", FIXTURES,
+                             seconds=120)
+        said = self.stop_in_a_long_step(process, self.out / "base", self.out / "stiff")
+        self.assertIn("--resume", said)
+        for run in ("base", "stiff"):
+            manifest = json.loads((self.out / run / "manifest.json").read_text())
+            self.assertEqual(manifest["status"], "interrupted")
+
+    def test_long_steps_are_kept_though_no_checkpoint_is_due(self):
+        scene = slow_sheet({"plugin": "semi_implicit"}, checkpoint={"seconds": 0})
+        scene["forces"][1]["from"] = -1.0
+        scene = self.write(scene)
+        process = self.start("run", scene, "--out", self.out, "--plugin-path", FIXTURES, seconds=3)
+        self.wait_for_second_step(process, self.out)
+        self.assertFalse((self.out / "checkpoint.bin").exists())
+        said = self.stop_in_a_long_step(process, self.out)
+        self.assertIn("--resume goes on after step 2", said)
+        self.resumes_to_the_same_bits(scene, "--plugin-path", FIXTURES)
+
+
+@unittest.skipIf(HAS_SANITIZER, "signals are the sanitizer's")
+class EndedByAPlugin(BrokenPlugins):
+    """exit(0) is no success, and a crash tells whose it was."""
+
+    CAUSES = {"exit": "exit()", "quick_exit": "exit()", "_exit": "_exit()", "abort": "abort()",
+              "segfault": "segmentation fault", "overflow": "stack overflow", "division": "arithmetic exception"}
+    ORIGIN = f"force/ends ({FIXTURES}/force-ends.so)"
+
+    def test_in_a_step(self):
+        for how, cause in self.CAUSES.items():
+            self.ends_with(PLUGIN_FAILED, "force", {"plugin": "ends", "how": how}, self.ORIGIN,
+                           "computing its force", cause)
+            manifest = json.loads((self.out / "manifest.json").read_text())
+            self.assertEqual((manifest["status"], manifest["exit_code"]), ("plugin failed", 4))
+            self.assertIn(self.ORIGIN, manifest["reason"])
+            self.assertIn(cause, manifest["reason"])
+
+    def test_in_a_constructor(self):
+        for how, cause in self.CAUSES.items():
+            use = {"plugin": "ends", "how": how, "when": "constructor"}
+            said = self.ends_with(PLUGIN_FAILED, "force", use, self.ORIGIN, "being made", cause)
+            self.assertEqual(len(said.splitlines()), 1, said)
+            scene = self.write(sheet("force", use))
+            result = self.deform("validate", scene, "--plugin-path", FIXTURES)
+            self.assertEqual(result.returncode, PLUGIN_FAILED, result.stderr)
+            self.assertIn(self.ORIGIN, result.stderr)
+
+    def test_while_it_is_checked(self):
+        for when in ("constructor", "step"):
+            result = self.deform("plugin", "check", FIXTURES / "force-ends.so", "--parameters",
+                                 json.dumps({"how": "segfault", "when": when}))
+            self.assertEqual(result.returncode, PLUGIN_FAILED, result.stderr)
+            self.assertIn(self.ORIGIN, result.stderr)
+
+    def test_a_comparison_goes_on(self):
+        scene = sheet("force", {"plugin": "ends", "how": "exit", "when": "constructor"})
+        good = scene["forces"][:1]
+        scene["variants"] = {"fine": {"/forces": good}, "refused": {"/forces/1/how": "segfault"},
+                             "crashed": {"/forces/1/how": "overflow", "/forces/1/when": "step"},
+                             "left": {"/forces/1/how": "_exit", "/forces/1/when": "step"}}
+        result = self.deform("compare", self.write(scene), "--out", self.out, "--plugin-path", FIXTURES,
+                             "--reference", "fine")
+        self.assertEqual(result.returncode, DONE, result.stderr)
+        runs = {run["name"]: run for run in json.loads((self.out / "summary.json").read_text())["runs"]}
+        self.assertEqual(runs["fine"]["status"], "done")
+        for name, cause in (("base", "exit()"), ("refused", "segmentation fault"), ("crashed", "stack overflow"),
+                            ("left", "_exit()")):
+            self.assertEqual(runs[name]["status"], "plugin failed", runs[name])
+            self.assertIn(self.ORIGIN, runs[name]["reason"])
+            self.assertIn(cause, runs[name]["reason"])
+
+
+class Streams(BrokenPlugins):
+    """What cannot be said does not change what is done."""
+
+    def shell(self, line, *arguments):
+        return subprocess.run(["sh", "-c", f'exec "$@" {line}', "sh", PROGRAM, *map(str, arguments)], text=True,
+                              capture_output=True, timeout=TIMEOUT, cwd=self.folder)
+
+    def test_messages_that_cannot_be_written(self):
+        bad = self.folder / "none.json"
+        warns = self.write({**SHEET, "duration": 0.11})  # no whole number of steps: a warning
+        for line in ("2>/dev/full", "2>&-"):
+            with self.subTest(line):
+                self.assertEqual(self.shell(line, "run", bad).returncode, BAD_INPUT)
+                result = self.shell(line, "run", warns, "--out", self.out, "--force")
+                self.assertEqual(result.returncode, DONE)
+                self.assertIn("wall time", result.stdout)
+                self.assertEqual(json.loads((self.out / "summary.json").read_text())["status"], "done")
+
+    def test_results_that_cannot_be_written(self):
+        for line in (">/dev/full", ">&-"):
+            for arguments in (("plugins",), ("schema",), ("--help",), ("validate", self.write(SHEET)),
+                              ("run", self.write(SHEET), "--out", self.out, "--force")):
+                with self.subTest(line, arguments=arguments):
+                    result = self.shell(line, *arguments)
+                    self.assertEqual(result.returncode, INTERNAL, result.stderr)
+                    self.assertIn("cannot write to standard output", result.stderr)
+        self.assertTrue((self.out / "report.html").exists())  # the run is whole
+
+    def test_no_file_takes_a_closed_streams_place(self):
+        scene = self.write({**SHEET, "duration": 0.11})
+        self.assertEqual(self.shell("<&- >&- 2>&-", "run", scene, "--out", self.out).returncode, INTERNAL)
+        for file in self.out.rglob("*"):
+            if file.is_file() and file.name not in ("log.txt", "report.html"):
+                self.assertNotIn(b"whole number of steps", file.read_bytes(), file.name)
+
+
+class Texts(BrokenPlugins):
+    """Titles and paths are written by others."""
+
+    # CSI, DEL, C1's CSI, a new line that forges a message, right-to-left override, isolate.
+    ORDERS = "a\x1b[2Jb\x7fc\x9b31md\ndeform: forged\u202ee\u2066f"
+    UNSAFE = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u202a-\u202e\u2066-\u2069]")
+
+    def assert_safe(self, text):
+        self.assertIsNone(self.UNSAFE.search(text), repr(text))
+        for line in text.splitlines():
+            self.assertFalse(line.startswith("deform: forged"), text)
+
+    def assert_all_safe(self, result):
+        self.assert_safe(result.stdout)
+        self.assert_safe(result.stderr)
+
+    def test_in_titles_labels_and_names(self):
+        scene = held_sheet(title=self.ORDERS, duration=0.11)
+        scene["probes"] = [{"plugin": "point", "where": {"boundary": "left"}, "label": self.ORDERS}, {"plugin": "lowest"}]
+        scene["variants"] = {self.ORDERS.replace("\n", " "): {"/material/density": 0.2}}
+        path = self.write(scene)
+        for arguments in (("run", path, "--out", self.out, "--force"), ("validate", path),
+                          ("compare", path, "--out", self.folder / "c"),
+                          ("run", path, "--variant", self.ORDERS), ("run", self.ORDERS)):
+            result = self.deform(*arguments)
+            self.assert_all_safe(result)
+        for log in self.folder.rglob("log.txt"):
+            self.assert_safe(log.read_text())
+            self.assertIn("\\u001b[2J", log.read_text())
+
+    def test_in_paths(self):
+        out = self.folder / "a\x1b[31m\u202eb"
+        self.assert_all_safe(self.deform("run", self.write(SHEET), "--out", out))
+        self.assertTrue(out.is_dir())
+        self.assert_all_safe(self.deform("run", self.write(SHEET), "--out", out))
+        self.assert_all_safe(self.deform("report", self.folder / self.ORDERS))
+        self.assert_all_safe(self.deform(self.ORDERS))
+        self.assert_all_safe(self.deform("plugins", "--plugin-path", self.folder / self.ORDERS))
+
+
+class Times(BrokenPlugins):
+    def test_parts_are_no_more_than_the_whole(self):
+        # A Jacobian by differences evaluates forces, whose time is its own.
+        scene = held_sheet(duration=0.06)
+        for integrator in ("semi_implicit", "backward_euler", "static", "runge_kutta"):
+            scene["integrator"] = {"plugin": integrator, "step": 0.02}
+            scene["energies"][1] = {"plugin": "bending", "xi": 1e-6, "normal": {"plugin": "exact"}}
+            result = self.deform("run", self.write(scene), "--out", self.out, "--force")
+            self.assertEqual(result.returncode, DONE, result.stderr)
+            seconds = json.loads((self.out / "manifest.json").read_text())["seconds"]
+            whole = seconds.pop("all_steps")
+            self.assertLessEqual(sum(seconds.values()), whole, integrator)
+            self.assertGreaterEqual(min(seconds.values()), 0)
+
+
+class Files(BrokenPlugins):
+    """What a scene names may be anything that the system calls a file."""
+
+    def test_maps_that_cannot_be_read(self):
+        fifo = self.folder / "fifo"
+        os.mkfifo(fifo)
+        for path, why in (("/proc/self/mem", "cannot be read to its end"), ("/dev/zero", "not a regular file"),
+                          (str(fifo), "not a regular file"), (str(self.folder), "is a folder")):
+            scene = held_sheet(energies=[{"plugin": "koiter", "thickness": {"map": path}, "young": 1e6}])
+            result = self.deform("run", self.write(scene), "--out", self.out)
+            self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+            self.assertIn(why, result.stderr)
+
+    def test_many_constants(self):
+        scene = held_sheet(duration=0.02)
+        scene["surface"]["rest"] = {"plugin": "formula", "z": "k7*a1",
+                                    "constants": {f"k{i}": i * 1e-6 for i in range(20000)}}
+        self.assertEqual(self.deform("validate", self.write(scene)).returncode, DONE)
+
+
+if __name__ == "__main__":
+    unittest.main()
