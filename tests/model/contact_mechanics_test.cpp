@@ -75,7 +75,10 @@ class Ended {
   Simulation simulation_;
 };
 
-double largest_speed(const Ended& s) { return s.state().v.rowwise().norm().maxCoeff(); }
+template <class Run>
+double largest_speed(const Run& s) {
+  return s.state().v.rowwise().norm().maxCoeff();
+}
 
 TEST(ContactMechanics, AnImpactTakesAllOfTheNormalVelocity) {
   for (const Method& m : methods())

@@ -256,7 +256,7 @@ class SceneDocument {
     scene.dropped = std::move(dropped);
     scene.file = file_;
     scene.variant = variant;
-    for (const auto& [name, changes] : variants_) scene.variants.push_back(name);
+    for (const auto& named : variants_) scene.variants.push_back(named.first);
     scene.place = [document = shared_document_, places = problems.places()](
                       const std::string& pointer) { return places.of_change(pointer).source; };
     return reading;
