@@ -38,6 +38,7 @@ class BackwardEuler final : public ImplicitIntegrator {
             newton_.resolves_contacts()};
   }
   [[nodiscard]] int local_order() const override { return 2; }
+  [[nodiscard]] bool is_of_first_order() const override { return true; }
 
   void accept(const State& from, const State& to) override {
     if (newton_.counts_corrections()) last_.accept(from, to);

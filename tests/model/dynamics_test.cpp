@@ -188,7 +188,7 @@ TEST(Dynamics, EnergyDoesNotDrift) {
        {std::tuple{"implicit_midpoint", 0.01, 0.02}, {"symplectic_euler", 0.001, 0.02}}) {
     const auto [first, second] = drift_of(name, step, 6000);
     EXPECT_LT(first, bound) << name;
-    EXPECT_LT(second, 1.3 * first) << name;
+    EXPECT_LT(second, 1.3 * first + 1e-9) << name;  // what Newton's method leaves, step by step
   }
 }
 

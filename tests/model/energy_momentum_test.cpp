@@ -20,8 +20,8 @@ using test::simulation_from_text;
 constexpr const char* kKoiter =
     R"({"plugin": "koiter", "young": 1e6, "poisson": 0.3, "thickness": 0.02})";
 constexpr const char* kOrthotropic =
-    R"({"plugin": "koiter_orthotropic", "young": [2e6, 1e6], "poisson": 0.2, "shear": 4e5,
-        "thickness": 0.02})";
+    R"({"plugin": "koiter_orthotropic", "young_1": 2e6, "young_2": 1e6, "poisson": 0.2,
+        "shear": 4e5, "thickness": 0.02})";
 constexpr const char* kPaper =
     R"({"plugin": "stretching", "eta": 50}, {"plugin": "bending_variational", "xi": 0.1})";
 constexpr const char* kSprings = R"({"plugin": "edge_springs", "stiffness": 300})";

@@ -112,7 +112,7 @@ class NotFiniteNumbers : public testing::Test {
 
 TEST_F(NotFiniteNumbers, OfAForceAreItsOwn) {
   const Diverged diverged = divergence({{"/forces/0", R"({"plugin": "nan", "from": 0.09})"}});
-  EXPECT_EQ(diverged.step(), 6);  // which begins at 0.1 s
+  EXPECT_EQ(diverged.step(), 5);  // whose middle is at 0.09 s
   EXPECT_EQ(diverged.node(), 0);
   EXPECT_EQ(diverged.term(), "nan");
   EXPECT_THAT(diverged.what(), HasSubstr("force-nan.so"));

@@ -259,17 +259,20 @@ double SteppedIntegrator::error_of(const System& system, NodeVectors error) {
   return system.root_mean_square(error) / size_of(system);
 }
 
-/// The cubic Hermite polynomial of r at both ends of the last step, and its derivative.
+/// The cubic Hermite polynomial of r at both ends of the last step, and its derivative, or what is
+/// linear between both velocities (is_of_first_order).
 void SteppedIntegrator::interpolate(const System& system, double time, State& state) const {
   const double h = right_.time - left_.time;
   const double s = h > 0 ? (time - left_.time) / h : 1;
   const double a = s * s * (3 - 2 * s), b = s * (1 - s) * (1 - s), c = s * s * (s - 1);
   state.r = (1 - a) * left_.r + a * right_.r + h * (b * left_.v + c * right_.v);
   const double da = 6 * s * (1 - s), db = (1 - s) * (1 - 3 * s), dc = s * (3 * s - 2);
-  if (h > 0)
-    state.v = da / h * (right_.r - left_.r) + db * left_.v + dc * right_.v;
-  else
+  if (!(h > 0))
     state.v = right_.v;
+  else if (is_of_first_order())
+    state.v = (1 - s) * left_.v + s * right_.v;
+  else
+    state.v = da / h * (right_.r - left_.r) + db * left_.v + dc * right_.v;
   state.time = time;
   system.prescribe(time, state.r);
   if (h > 0) system.prescribe_velocity(time, s > 0.5 ? h : -h, state.v);

@@ -68,6 +68,9 @@ class DEFORM_API SteppedIntegrator : public Integrator {
                                         State& to) = 0;
   /// Order of the local error in r that `attempt` estimates.
   [[nodiscard]] virtual int local_order() const = 0;
+  /// Whether velocities are wrong by the first power of the step: between ends of steps they are
+  /// interpolated linearly then, as the slope of positions would be wrong by more.
+  [[nodiscard]] virtual bool is_of_first_order() const { return false; }
   /// The last attempt was taken: multistep methods remember it.
   virtual void accept(const State& from, const State& to);
   /// The next step does not go on from the last one.
