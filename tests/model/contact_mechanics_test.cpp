@@ -50,7 +50,7 @@ Simulation sheet(const Method& m, double step, double duration,
   return simulation_from_text(
       R"({"surface": {"plugin": "grid", "nodes": [3, 3], "size": [1, 1]},
           "material": {"density": 1}, "energies": [], "forces": [], "constraints": [],
-          "colliders": [], "velocity": [0, 0, 0], "limits": {"distance": 100}, "integrator": "symplectic_euler", "duration": 1})",
+          "colliders": [], "velocity": [0, 0, 0], "limits": {"distance": 100}, "integrator": {"plugin": "symplectic_euler", "step": 0.01}, "duration": 1})",
       replacements);
 }
 
