@@ -187,14 +187,16 @@ TEST(ContactMechanics, NothingPassesABodyWithinAStep) {
   for (const Method& m : methods())
     for (const auto& [collider, top] : obstacles)
       for (const double speed : {20.0, 100.0}) {
+        // Beside the middle of what is round, a node slides along its tangent for a part of a step.
+        const double slack = collider.find("box") == std::string::npos ? 5e-3 : 1e-6;
         Simulation s = sheet(m, 0.01, 0.15,
                              {velocity(0, -speed),
                               {"/surface/size", "[0.001, 0.001]"},
                               {"/limits", R"({"distance": 1e5})"},
                               {"/colliders/-", collider}});
         ASSERT_FALSE(test::run_to_end(s)) << name_of(m);
-        EXPECT_NEAR(s.state().r.col(2).maxCoeff(), top, 1e-4) << name_of(m) << collider << speed;
-        EXPECT_NEAR(s.state().r.col(2).minCoeff(), top, 1e-4) << name_of(m) << collider << speed;
+        EXPECT_NEAR(s.state().r.col(2).maxCoeff(), top, slack) << name_of(m) << collider << speed;
+        EXPECT_NEAR(s.state().r.col(2).minCoeff(), top, slack) << name_of(m) << collider << speed;
         EXPECT_LE(largest_speed(s), 0.1 * speed) << name_of(m) << collider << speed;
       }
 }

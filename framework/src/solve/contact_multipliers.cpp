@@ -13,6 +13,9 @@ namespace {
 /// Penalties as multiples of a node's own stiffness: an update of the multipliers then leaves about
 /// a tenth of their error, and the matrix stays well conditioned.
 constexpr double kPenalty = 10;
+/// An impulse is an impact's where this part of it, or more, stops the velocity that a stage begins
+/// with.
+constexpr double kOfAnImpact = 0.5;
 
 const std::vector<double>& finite_numbers(const Memory& memory, const std::string& name) {
   const auto entry = memory.entries().find(name);
@@ -42,6 +45,7 @@ void ContactMultipliers::begin(const System& system, const NodeValues& stiffness
         fmt::format("the checkpoint's \"contact.lambda\" has {} numbers, expected {} "
                     "colliders times {} nodes",
                     lambda_.size(), system.colliders(), nodes_));
+  std::erase_if(rubs_, [&](const Rub& r) { return lambda_[place_of(r.body, r.node)] == 0; });
 }
 
 /// Contacts of nodes that have crossed a collider become those with planes where they came in.
@@ -113,6 +117,13 @@ std::vector<ContactImpulse> ContactMultipliers::impulses(const System& system,
                    rub == nullptr ? Vec3(Vec3::Zero()) : Vec3(per_force * rub->force)});
   }
   return all;
+}
+
+void ContactMultipliers::forget_impacts(const System& system, const Stage& stage) {
+  for (const ContactImpulse& i : impulses(system, stage)) {
+    const double approach = -i.normal.dot(Vec3(stage.v_base.row(i.node).transpose()));
+    if (approach > kOfAnImpact * i.push) lambda_[place_of(i.body, i.node)] = 0;
+  }
 }
 
 void ContactMultipliers::add_force(NodeVectors& f) const {
