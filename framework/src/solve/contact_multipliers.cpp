@@ -13,6 +13,9 @@ namespace {
 /// Penalties as multiples of a node's own stiffness: an update of the multipliers then leaves about
 /// a tenth of their error, and the matrix stays well conditioned.
 constexpr double kPenalty = 10;
+/// An impulse is an impact's where the velocity that a stage begins with is this part of it, or
+/// more: all of it stops that, or, by the midpoint rule, half of it.
+constexpr double kOfAnImpact = 0.4;
 
 const std::vector<double>& finite_numbers(const Memory& memory, const std::string& name) {
   const auto entry = memory.entries().find(name);
@@ -42,15 +45,16 @@ void ContactMultipliers::begin(const System& system, const NodeValues& stiffness
         fmt::format("the checkpoint's \"contact.lambda\" has {} numbers, expected {} "
                     "colliders times {} nodes",
                     lambda_.size(), system.colliders(), nodes_));
+  std::erase_if(rubs_, [&](const Rub& r) { return lambda_[place_of(r.body, r.node)] == 0; });
 }
 
 /// Contacts of nodes that have crossed a collider become those with planes where they came in.
 void ContactMultipliers::follow_planes(const NodeVectors& end, std::vector<NodeContact>& near) {
-  const auto place_of = [](const Plane& p) { return place(p.contact); };
+  const auto of_plane = [](const Plane& p) { return place(p.contact); };
   const auto known = static_cast<std::ptrdiff_t>(planes_.size());
   const auto has_plane = [&](const NodeContact& c, std::ptrdiff_t among) {
     return std::ranges::binary_search(planes_.begin(), planes_.begin() + among, place(c), {},
-                                      place_of);
+                                      of_plane);
   };
   const auto height = [&](const NodeContact& c) {
     return c.normal.dot(Vec3(end.row(c.node).transpose()));
@@ -58,7 +62,7 @@ void ContactMultipliers::follow_planes(const NodeVectors& end, std::vector<NodeC
   for (const NodeContact& c : near)
     if (c.crossed && !has_plane(c, known)) planes_.push_back({c, height(c) - c.gap});
   if (planes_.empty()) return;
-  std::ranges::sort(planes_, {}, place_of);
+  std::ranges::sort(planes_, {}, of_plane);
   std::erase_if(near, [&](const NodeContact& c) { return has_plane(c, std::ssize(planes_)); });
   for (const Plane& plane : planes_) {
     near.push_back(plane.contact);
@@ -113,6 +117,13 @@ std::vector<ContactImpulse> ContactMultipliers::impulses(const System& system,
                    rub == nullptr ? Vec3(Vec3::Zero()) : Vec3(per_force * rub->force)});
   }
   return all;
+}
+
+void ContactMultipliers::forget_impacts(const System& system, const Stage& stage) {
+  for (const ContactImpulse& i : impulses(system, stage)) {
+    const double approach = -i.normal.dot(Vec3(stage.v_base.row(i.node).transpose()));
+    if (approach > kOfAnImpact * i.push) lambda_[place_of(i.body, i.node)] = 0;
+  }
 }
 
 void ContactMultipliers::add_force(NodeVectors& f) const {

@@ -28,6 +28,9 @@ class ContactMultipliers {
   [[nodiscard]] double potential() const;
   /// Makes the forces of the last `find` the multipliers.
   void update();
+  /// A stage was solved: multipliers that stopped what came to a collider are forgotten, as the
+  /// next stage has nothing to stop; those of lasting contact it starts from.
+  void forget_impacts(const System& system, const Stage& stage);
 
   /// Nodes with a normal force at the last `find`, ascending, once for each collider.
   [[nodiscard]] std::vector<Index> touching() const;
@@ -59,9 +62,10 @@ class ContactMultipliers {
   };
   /// The friction kept for a contact; null where there is none.
   [[nodiscard]] const Rub* rub_of(const NodeContact& c) const;
-  [[nodiscard]] double& lambda(const NodeContact& c) {
-    return lambda_[c.body * static_cast<std::size_t>(nodes_) + static_cast<std::size_t>(c.node)];
+  [[nodiscard]] std::size_t place_of(std::size_t body, Index node) const {
+    return body * static_cast<std::size_t>(nodes_) + static_cast<std::size_t>(node);
   }
+  [[nodiscard]] double& lambda(const NodeContact& c) { return lambda_[place_of(c.body, c.node)]; }
   /// κ of a contact: of the stiffness that the node has along the normal, as it is free to move.
   [[nodiscard]] double penalty(const NodeContact& c) const { return penalty_[c.node] / c.mobility; }
   void load_friction(const std::vector<double>& all, std::size_t nodes);

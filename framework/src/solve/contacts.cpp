@@ -34,6 +34,14 @@ NodeVectors reflected(NodeVectors v) {
   return v;
 }
 
+/// Whether a node follows others.
+bool is_tied(const Mobility& mobility, Index node) {
+  for (int c = 0; c < 3; ++c)
+    for (const Tie::Part& part : mobility.map().row({node, c}))
+      if (part.of.node != node) return true;
+  return false;
+}
+
 }  // namespace
 
 Contacts::Contacts(std::vector<Body> bodies, bool mirrored, const ReductionMap& map)
@@ -147,6 +155,12 @@ std::vector<Index> Contacts::resolve(std::size_t body, const NodeVectors& before
                impulses.push_back({.node = a, .body = body, .normal = n});
                touched.push_back(a);
              });
+  // What is tied to nodes that are pushed out may come out with them: its turn is the next.
+  const auto is_other = [&](Index node) { return is_tied(mobility_, node); };
+  if (mobility_.has_ties() && !std::ranges::all_of(touched, is_other)) {
+    std::erase_if(moves, [&](const auto& move) { return is_other(move.first); });
+    std::erase_if(impulses, [&](const ContactImpulse& i) { return is_other(i.node); });
+  }
   for (const auto& [node, move] : moves) mobility_.add(node, move, after.r);
   if (!touched.empty() && mobility_.has_ties()) mobility_.map().complete_positions(after.r);
   settle(step, impulses, after);
@@ -191,8 +205,11 @@ void Contacts::settle(double step, const std::vector<ContactImpulse>& impulses,
   std::iota(by_node.begin(), by_node.end(), std::size_t{0});
   const auto node_of = [&](std::size_t i) { return impulses[i].node; };
   std::ranges::stable_sort(by_node, {}, node_of);
+  // Nodes that are tied to others come after these: most have what they need then.
+  if (mobility_.has_ties())
+    std::ranges::stable_partition(by_node,
+                                  [&](std::size_t i) { return !is_tied(mobility_, node_of(i)); });
   std::vector<Grip> grips;
-  std::vector<std::pair<Index, Vec3>> changes;
   for (std::size_t k = 0; k < by_node.size();) {
     const Index node = node_of(by_node[k]);
     grips.clear();
@@ -200,10 +217,10 @@ void Contacts::settle(double step, const std::vector<ContactImpulse>& impulses,
       const ContactImpulse& i = impulses[by_node[k]];
       grips.push_back({i.normal, bodies_[i.body].friction, speed[by_node[k]], i.push, i.rub});
     }
+    if (mobility_.has_ties() && is_tied(mobility_, node)) mobility_.map().complete_changes(state.v);
     Vec3 v = state.v.row(node).transpose();
-    changes.emplace_back(node, settle_motion(mobility_, node, grips, v));
+    mobility_.add(node, settle_motion(mobility_, node, grips, v), state.v);
   }
-  for (const auto& [node, change] : changes) mobility_.add(node, change, state.v);
   if (mobility_.has_ties()) mobility_.map().complete_changes(state.v);
 }
 

@@ -486,6 +486,7 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
   if (s.equation.has_potential() && !s.equation.is_gradient())
     report.potential_change = std::nan("");
   s.equation.set_velocity(state);
+  if (s.equation.has_contacts()) s.equation.contacts().forget_impacts(system, stage);
   return "";
 }
 
