@@ -64,9 +64,10 @@ void check_areas(const Scene& scene, const NodeValues& areas, PartMaker& maker) 
   const std::string why =
       infinite >= 0
           ? fmt::format("has an area around node {} that no number holds: a smaller one", infinite)
-          : fmt::format("has no area around node {}, which would have no mass: another shape, or "
-                        "the material's \"mass\": \"parameters\"",
-                        smallest);
+          : fmt::format(
+                "has no area around node {}, which would have no mass: another shape, or "
+                "the material's \"mass\": \"parameters\"",
+                smallest);
   const bool has_shape = scene.surface.parameters && scene.surface.parameters->has("rest");
   const std::string pointer = has_shape ? "/surface/rest" : "/surface";
   maker.add({{pointer, fmt::format("at {}: the rest surface {}", pointer, why)}});
