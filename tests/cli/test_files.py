@@ -565,7 +565,6 @@ class Refusals(FilesTest):
         scene = self.write(sheet(outputs=[]))
         for name, text in (("base/summary.json", '{"status": 5}'), ("base/manifest.json", "[]"),
                            ("base/manifest.json", '{"program": "deform", "status": 5, "plugins": [3]}'),
-                           ("manifest.json", '{"kind": "comparison", "program": 5}'),
                            ("summary.json", '{"kind": "comparison", "variants": [5, {"name": 3}]}')):
             with self.subTest(name=name, text=text):
                 shutil.rmtree(self.out, ignore_errors=True)
@@ -574,6 +573,8 @@ class Refusals(FilesTest):
                 self.assertIn(self.deform("report", self.out).returncode, (0, 2))
                 result = self.deform("compare", scene, "--out", self.out, "--resume")
                 self.assertEqual(result.returncode, 0, result.stderr)
+        (self.out / "manifest.json").write_text('{"kind": "comparison", "program": 5}')
+        self.refuse("compare", scene, "--out", self.out, "--resume")
         (self.out / "manifest.json").write_text("{ broken")
         self.refuse("compare", scene, "--out", self.out, "--resume", words=["comparison"])
 
