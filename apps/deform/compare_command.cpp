@@ -83,7 +83,7 @@ bool print_failures(const Comparison& comparison) {
   for (const RunComparison& run : comparison.runs) {
     if (!run.outcome.is_failure) continue;
     any = true;
-    fmt::print(stderr, "deform: {}: {}\n", run.name, run.outcome.reason);
+    complain("{}: {}", run.name, run.outcome.reason);
   }
   return any;
 }

@@ -24,10 +24,10 @@ AddedReport add_report(const std::filesystem::path& folder) {
   try {
     return {write_report(folder).string(), ExitCode::done};
   } catch (const Error& e) {
-    fmt::print(stderr, "deform: no report.html: {}\n", e.what());
+    complain("no report.html: {}", e.what());
     return {"none", e.code()};
   } catch (const std::exception& e) {
-    fmt::print(stderr, "deform: no report.html: {}\n", e.what());
+    complain("no report.html: {}", e.what());
   }
   return {"none", ExitCode::internal_error};
 }

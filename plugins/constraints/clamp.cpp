@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <deform/geometry/rounding.h>
 #include <deform/model/constraint.h>
 
 #include "../sides.h"
@@ -20,8 +21,17 @@ struct Parameters {
   }
 };
 
-/// Components of a unit normal below this are rounding: a flat side's tie names one component.
+/// Components of a unit normal below this, or below what rounding of positions makes of
+/// derivatives, are rounding: a flat side's tie names one component.
 constexpr double kAlongAnAxis = 1e-12;
+
+/// What rounding of positions may turn a derivative Σ c_k r_k by [rad].
+double rounding_of_direction(const std::vector<EdgeNode::Entry>& row, const Vec3& derivative,
+                             const NodeVectors& r) {
+  double sum = 0;
+  for (const EdgeNode::Entry& e : row) sum += std::abs(e.coefficient);
+  return sum * rounding_of_positions(r) / derivative.norm();
+}
 
 /// The row's largest coefficient of a node that is not held (those of the sides, ascending): the
 /// nearest node inside. Null where all are held, as in a corner: so is the derivative then.
@@ -93,9 +103,11 @@ class Clamp final : public Constraint {
     if (!(area.norm() > kAlongAnAxis * across.norm() * along.norm()))
       throw InputError("the initial surface has no normal at node " + std::to_string(edge.node) +
                        ", which is to be clamped");
+    const double rounding = rounding_of_direction(edge.inwards, across, initial_) +
+                            rounding_of_direction(edge.along, along, initial_);
     Vec3 n = area.normalized();
     for (int c = 0; c < 3; ++c)
-      if (std::abs(n[c]) <= kAlongAnAxis) n[c] = 0;
+      if (std::abs(n[c]) <= std::max(kAlongAnAxis, rounding)) n[c] = 0;
     return n;
   }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include <deform/geometry/rounding.h>
 #include <deform/model/constraint.h>
 
 #include "../sides.h"
@@ -35,7 +36,7 @@ double extent(const NodeVectors& r) {
 int axis_of(const Side& side, const NodeVectors& initial, const std::string& pointer) {
   for (int c = 0; c < 3; ++c) {
     const double at = initial(side.nodes.front().node, c);
-    const double slack = kFlatness * extent(initial);
+    const double slack = kFlatness * extent(initial) + rounding_of_positions(initial);
     if (std::ranges::all_of(side.nodes, [&](const EdgeNode& edge) {
           const Vec3 across = derivative(edge.inwards, initial);
           return std::abs(initial(edge.node, c) - at) <= slack &&

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include <deform/error.h>
 #include <deform/surface/shape.h>
 
 namespace {
@@ -30,6 +31,9 @@ class Wave final : public Shape {
     NodeVectors r(parameters.rows(), 3);
     for (Index a = 0; a < r.rows(); ++a) {
       const double phase = 2 * std::numbers::pi * parameters(a, p_.along - 1) / p_.wavelength;
+      if (!std::isfinite(phase))
+        throw InputError({Problem{"/wavelength",
+                                  "too short: the number of waves on the surface must be finite"}});
       r.row(a) =
           p_.origin + Vec3(parameters(a, 0), parameters(a, 1), p_.amplitude * std::cos(phase));
     }

@@ -34,7 +34,8 @@ BEYOND_SCHEMA = {
                  r"found \S*1e\+300\S*, expected .*whole number"),
     "plugin": ("what a plugin's constructor alone knows",
                r"is empty|must be 1 or -1|too extreme|normal is 0|rounding is more"
-               r"|inside of this collider|no number holds|no area around node|weighs"),
+               r"|inside of this collider|no number holds|no area around node|weighs"
+               r"|number of waves"),
 }
 
 BASE = {
@@ -374,6 +375,9 @@ bad("velocity_not_finite", {"/velocity": {"linear": [0, 0, "1/a1"]}}, "at /veloc
     "is inf at a1 = 0", beyond="formulas")
 bad("formula_that_ends_early", {"/surface/rest": {"plugin": "formula", "z": "2*("}},
     "at /surface/rest/z", "expected a formula of a1, a2", beyond="formulas")
+bad("wave_too_short", {"/surface/initial": {"plugin": "wave", "wavelength": 1e-308}},
+    "at /surface/initial/wavelength", "the number of waves on the surface must be finite",
+    beyond="plugin")
 bad("formula_not_finite", {"/surface/rest": {"plugin": "formula", "z": "1/a1"}},
     "at /surface/rest", "is inf at a1 = 0", beyond="formulas")
 bad("formula_constant_misnamed", {"/surface/rest": {"plugin": "formula", "constants": {"pi": 3}}},

@@ -1,7 +1,8 @@
 """Scenes changed at random end, whatever they are: done, refused, diverged or a plugin's failure.
 
 The seed is fixed; a failure prints how to see it again. DEFORM_MUTATIONS says how many scenes (120),
-DEFORM_MUTATION_SEED where to begin, DEFORM_MUTATION_SECONDS after which time no other is begun (40).
+DEFORM_MUTATION_SEED where to begin, DEFORM_MUTATION_SECONDS after which time no other is begun (40),
+DEFORM_MUTATION_SHOWS an exit code whose scenes are to be shown.
 """
 
 import concurrent.futures
@@ -26,6 +27,7 @@ SCHEMAS = Path(os.environ["DEFORM_SOURCE"]) / "schemas" / "plugins"
 COUNT = int(os.environ.get("DEFORM_MUTATIONS", "120"))
 SEED = int(os.environ.get("DEFORM_MUTATION_SEED", "1987"))
 SECONDS = float(os.environ.get("DEFORM_MUTATION_SECONDS", "40"))
+SHOWN = os.environ.get("DEFORM_MUTATION_SHOWS", "")
 FEWEST = 20  # are tried in any case
 PATIENCE = 15  # seconds; a run that takes longer is asked to end, and has to
 MOST_MEMORY = 4 << 30  # bytes of address space
@@ -40,12 +42,11 @@ def limit_memory():
         resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
 
 
-def run(folder):
+def deform(folder, *arguments):
     """The exit code and what was said on stderr; the code of a signal is negative."""
     process = subprocess.Popen(
-        [PROGRAM, "run", "scene.json", "--out", "out", "--threads", "1", "--quiet"], cwd=folder,
-        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-        preexec_fn=limit_memory)
+        [PROGRAM, *arguments], cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE, preexec_fn=limit_memory)
     try:
         _, said = process.communicate(timeout=PATIENCE)
     except subprocess.TimeoutExpired:
@@ -66,11 +67,12 @@ def objection(folder, code, said):
     if code not in ENDS:
         return f"ends with {code}"
     written = sorted(path.name for path in folder.iterdir())
-    if code != REFUSED:
-        return None if written == ["out", "scene.json"] else f"wrote {written}"
+    if code != REFUSED:  # what fails before its first step may have written nothing
+        return None if set(written) <= {"out", "scene.json"} else f"wrote {written}"
     if written != ["scene.json"]:
         return f"is refused, but wrote {written}"
-    problems = [line for line in said.splitlines() if line.startswith("deform: ")]
+    problems = [line for line in said.splitlines()
+                if line.startswith("deform: ") and not line.startswith("deform: warning: ")]
     if not problems:
         return "is refused without a word"
     for line in problems:
@@ -99,8 +101,15 @@ class Mutations(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="deform_mutant_") as place:
             folder = Path(place)
             (folder / "scene.json").write_text(text, encoding="utf-8", errors="surrogatepass")
-            code, said = run(folder)
+            validated, _ = deform(folder, "validate", "scene.json")
+            code, said = deform(folder, "run", "scene.json", "--out", "out", "--threads", "1", "--quiet")
             wrong = objection(folder, code, said)
+            if not wrong and validated not in (DONE, REFUSED, 4):
+                wrong = f"`validate` ends with {validated}"
+            if not wrong and code == REFUSED and validated != REFUSED:
+                wrong = f"is refused by `run`, but `validate` ends with {validated}"
+        if str(code) == SHOWN:
+            wrong = wrong or f"ends with {code}"
         if wrong:
             wrong = (f"{wrong}\nDEFORM_MUTATIONS=1 DEFORM_MUTATION_SEED={SEED + number} shows it again\n"
                      f"{'; '.join(done)}\n{text[:3000]}\n{said[:2000]}")

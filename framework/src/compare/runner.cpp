@@ -175,8 +175,10 @@ class Runner {
     return all;
   }
 
-  /// "progress DONE": steps done.
+  /// "progress DONE": steps done. Warnings are in the run's log.txt; those on its scene are the
+  /// comparison's, which has said them.
   bool take(std::size_t i, const std::string& line) {
+    if (line.starts_with("deform: warning: ")) return true;
     constexpr std::string_view kProgress = "progress ";
     if (!line.starts_with(kProgress)) return false;
     if (options_.first_step) std::call_once(stepped_, options_.first_step);

@@ -14,13 +14,13 @@
 #include <fmt/format.h>
 
 #include "deform/log.h"
-#include "deform/simulation/remarks.h"
 
 #include "plugin/process_end.h"
 #include "profile/profile.h"
 #include "record/trajectory_writer.h"
 #include "scene/json.h"
 #include "simulation/checkpoint.h"
+#include "simulation/energy_guard.h"
 #include "simulation/files.h"
 #include "simulation/held_folder.h"
 #include "simulation/manifest.h"
@@ -126,6 +126,7 @@ class Recording {
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Profile> profile_;
   CheckpointSchedule schedule_;
+  EnergyGuard energy_guard_;
   StepWatch& watch_;
   /// What to go on from if the step under way is thrown away; of long steps alone.
   std::optional<Checkpoint> before_step_;
@@ -152,6 +153,7 @@ Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> r
       found_(std::move(found)),
       parts_(make_run_parts(scene, registry)),
       schedule_(scene),
+      energy_guard_(parts_.simulation->system(), parts_.simulation->integrator()),
       watch_(watch),
       frame_interval_(scene.frame_interval()) {
   parts_.simulation->stop_when(&watch_.stop());
@@ -209,7 +211,6 @@ void Recording::begin_folder() {
 RunResult Recording::execute() {
   begin_folder();
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
-  for (const Problem& remark : remarks(scene_)) log::warn(remark.message);
   if (found_.checkpoint) {
     log::info(fmt::format("resumed after step {}", checkpoint_step_));
     manifest_.resume(checkpoint_step_);
@@ -283,11 +284,19 @@ void Recording::step() {
   const std::function<void()> give_up = [this] { give_step_up(); };
   const StepWatch::Span watched(watch_, give_up);
   times_before_step_ = parts_.simulation->system().times();
-  if (parts_.probes->none()) return parts_.simulation->step();
-  parts_.simulation->step([this](const Frame& at_break) {
-    apart_from_model(at_break, [&] { parts_.probes->follow_break(at_break); });
+  const bool watches = energy_guard_.watches(parts_.simulation->steps());
+  if (parts_.probes->none() && !watches) return parts_.simulation->step();
+  if (watches) apart_from_model([this](const Frame& frame) { energy_guard_.begin(frame); });
+  parts_.simulation->step([&](const Frame& at_break) {
+    apart_from_model(at_break, [&] {
+      if (watches) energy_guard_.at_break(at_break);
+      parts_.probes->follow_break(at_break);
+    });
   });
-  apart_from_model([this](const Frame& frame) { parts_.probes->follow(frame); });
+  apart_from_model([&](const Frame& frame) {
+    if (watches) energy_guard_.end(frame);
+    parts_.probes->follow(frame);
+  });
 }
 
 void Recording::give_step_up() {

@@ -68,8 +68,9 @@ std::vector<std::string> others_that_take(const Wanted& wanted, const Scene& sce
   for (const std::string& name : registry.names(PluginKind::solver)) {
     try {
       PartMaker maker(scene, {std::shared_ptr<const PluginRegistry>(), &registry});
-      const auto solver = maker.make<LinearSolver>({PluginKind::solver, name, nullptr, "/solver"},
-                                                   maker.setup(system.surface(), system.rest()));
+      const auto solver =
+          maker.make<LinearSolver>({PluginKind::solver, name, nullptr, "/solver"},
+                                   maker.setup(system.surface(), system.rest(), system.areas()));
       if (solver && takes(*solver, wanted, system.nodes()))
         found.emplace_back(-solver->object->suitability(wanted.traits), name);
     } catch (const Error&) {  // one that does not load is none to recommend

@@ -12,7 +12,7 @@ using deform::NodeVectors;
 using deform::Vec3;
 
 /// Nodes of an interpolation along a line, at most, and points of Gauss's rule within a cell.
-constexpr Index kNodes = 4;
+constexpr Index kNodes = 6;
 constexpr std::size_t kPoints = 2;
 const std::array<double, kPoints> kGauss{0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
 
@@ -44,15 +44,15 @@ void set_lagrange(Index size, double x, std::array<double, kNodes>& value,
   }
 }
 
-/// That of each cell of a line: by the cell's two nodes and their neighbours, at open ends by those
-/// that are nearest.
+/// That of each cell of a line: by as many nodes on either side of it, at open ends by those that
+/// are nearest.
 std::vector<Interpolation> interpolations(Index n, bool periodic) {
   std::vector<Interpolation> result;
   const Index cells = periodic ? n : n - 1;
   for (Index cell = 0; cell < cells; ++cell) {
     Interpolation at{.size = std::min(n, kNodes)};
-    at.first = periodic && n >= kNodes ? cell - 1 : std::clamp<Index>(cell - 1, 0, n - at.size);
-    if (periodic && n < kNodes) at.first = cell;
+    at.first = cell - (at.size / 2 - 1);
+    if (!periodic) at.first = std::clamp<Index>(at.first, 0, n - at.size);
     for (std::size_t q = 0; q < kPoints; ++q)
       set_lagrange(at.size, static_cast<double>(cell - at.first) + kGauss[q], at.value[q],
                    at.derivative[q]);

@@ -1,0 +1,196 @@
+#include "deform/record/energy_account.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "deform/model/reduction.h"
+
+namespace deform {
+namespace {
+
+/// Part of a step by which times of breaks may be wrong.
+constexpr double kRounding = 1e-9;
+
+double dot(const NodeVectors& a, const NodeVectors& b) { return a.cwiseProduct(b).sum(); }
+
+double kinetic(const System& system, const NodeVectors& v) {
+  return 0.5 * system.mass().dot(v.rowwise().squaredNorm());
+}
+
+double internal(const Frame& frame) {
+  const auto& terms = frame.system.energies();
+  double sum = 0;
+  for (std::size_t i = 0; i < terms.size(); ++i)
+    if (terms[i].object->traits().potential) sum += frame.system.energy(i, frame.state);
+  return sum;
+}
+
+/// A state, and the forces there (each N × 3) [N].
+struct Instant {
+  NodeVectors r, v;
+  NodeVectors load, internal, damping;
+};
+
+/// What went in and out since the first state that was seen [J].
+struct Account {
+  double first = 0;  ///< energy of that state
+  double loads = 0, constraints = 0, damping = 0;
+  double turnover = 0;         ///< sum of the sizes of all of these, step by step
+  double largest_kinetic = 0;  ///< so far
+};
+
+template <class Of, class Action>
+void each_vector(Of& at, const Action& action) {
+  action("r", at.r);
+  action("v", at.v);
+  action("load", at.load);
+  action("internal", at.internal);
+  action("damping", at.damping);
+}
+
+/// At a break makes the load that before it; returns that after it.
+std::optional<NodeVectors> load_after_break(const Frame& frame, double length, Instant& now) {
+  const double time = frame.state.time;
+  const double rounding =
+      kRounding * length + 16 * std::numeric_limits<double>::epsilon() * std::abs(time);
+  if (!(frame.system.next_break(time - rounding) <= time + rounding)) return {};
+  State beside = frame.state;
+  beside.time = time - 2 * rounding;
+  now.load = frame.system.external_force(beside);
+  beside.time = time + 2 * rounding;
+  return frame.system.external_force(beside);
+}
+
+}  // namespace
+
+double EnergyFigures::scale() const { return turnover + largest_kinetic + std::abs(change); }
+
+struct EnergyAccount::Impl {
+  explicit Impl(const System& system) : nodes(system.nodes()), reduction(system.reduction()) {
+    for (int c = 0; c < 3; ++c)
+      for (Index a = 0; a < nodes; ++a)
+        any_prescribed = any_prescribed || reduction.reduction().prescribed(a, c);
+  }
+
+  [[nodiscard]] Instant instant(const Frame& frame) const;
+  void add_work(const Frame& frame, double length, const Instant& now);
+  [[nodiscard]] double work_of_constraints(const Frame& frame, const Instant& now,
+                                           const NodeVectors& way) const;
+  [[nodiscard]] NodeVectors prescribed_part(NodeVectors change) const;
+
+  Index nodes;
+  ReductionMap reduction;
+  bool any_prescribed = false;
+  bool started = false;
+  Account account;
+  Instant last;
+};
+
+Instant EnergyAccount::Impl::instant(const Frame& frame) const {
+  System& system = frame.system;
+  Instant m{frame.state.r, frame.state.v, system.external_force(frame.state),
+            NodeVectors::Zero(nodes, 3), system.damping_force(frame.state)};
+  if (!any_prescribed) return m;  // only the reaction of constraints asks for it
+  for (std::size_t i = 0; i < system.energies().size(); ++i)
+    m.internal += system.internal_force(i, frame.state);
+  return m;
+}
+
+void EnergyAccount::Impl::add_work(const Frame& frame, double length, const Instant& now) {
+  const NodeVectors way = now.r - last.r;
+  const double loads = 0.5 * dot(last.load + now.load, way);
+  const double damping = -0.5 * (dot(last.damping, last.v) + dot(now.damping, now.v)) * length;
+  const double constraints = any_prescribed ? work_of_constraints(frame, now, way) : 0;
+  account.loads += loads;
+  account.damping += damping;
+  account.constraints += constraints;
+  account.turnover += std::abs(loads) + std::abs(damping) + std::abs(constraints);
+  account.largest_kinetic = std::max(account.largest_kinetic, kinetic(frame.system, now.v));
+}
+
+/// The reactions do no work on what the free components bring about: T^T reaction = 0.
+double EnergyAccount::Impl::work_of_constraints(const Frame& frame, const Instant& now,
+                                                const NodeVectors& way) const {
+  const NodeVectors moved = prescribed_part(way);
+  const NodeVectors mean_velocity = prescribed_part(0.5 * (last.v + now.v));
+  if (moved.isZero(0) && mean_velocity.isZero(0)) return 0;
+  const NodeVectors gained = frame.system.mass().asDiagonal() * (now.v - last.v);
+  const NodeVectors force =
+      0.5 * (last.load + now.load + last.internal + now.internal + last.damping + now.damping);
+  return dot(gained, mean_velocity) - dot(force, moved);
+}
+
+/// Of changes of positions: what the prescribed components do alone, and what is tied to them.
+NodeVectors EnergyAccount::Impl::prescribed_part(NodeVectors change) const {
+  const Reduction& of = reduction.reduction();
+  for (int c = 0; c < 3; ++c)
+    for (Index a = 0; a < nodes; ++a)
+      if (!of.prescribed(a, c)) change(a, c) = 0;
+  reduction.complete_changes(change);
+  return change;
+}
+
+EnergyAccount::EnergyAccount(const System& system) : impl_(std::make_unique<Impl>(system)) {}
+EnergyAccount::~EnergyAccount() = default;
+EnergyAccount::EnergyAccount(EnergyAccount&&) noexcept = default;
+EnergyAccount& EnergyAccount::operator=(EnergyAccount&&) noexcept = default;
+
+bool EnergyAccount::has_started() const { return impl_->started; }
+
+void EnergyAccount::start(const Frame& frame) {
+  Impl& s = *impl_;
+  s.started = true;
+  s.last = s.instant(frame);
+  const std::optional<NodeVectors> after = load_after_break(frame, frame.step_size, s.last);
+  if (after) s.last.load = *after;
+  s.account = {};
+  s.account.largest_kinetic = kinetic(frame.system, s.last.v);
+  s.account.first = s.account.largest_kinetic + internal(frame);
+}
+
+void EnergyAccount::add_part(const Frame& frame, double length) {
+  Impl& s = *impl_;
+  if (!s.started) return start(frame);
+  Instant now = s.instant(frame);
+  const std::optional<NodeVectors> after = load_after_break(frame, length, now);
+  s.add_work(frame, length, now);
+  s.last = std::move(now);
+  if (after) s.last.load = *after;
+}
+
+EnergyFigures EnergyAccount::figures(const Frame& frame) const {
+  const Account& a = impl_->account;
+  return {.change = kinetic(frame.system, frame.state.v) + internal(frame) - a.first,
+          .loads = a.loads,
+          .constraints = a.constraints,
+          .damping = a.damping,
+          .turnover = a.turnover,
+          .largest_kinetic = a.largest_kinetic};
+}
+
+void EnergyAccount::save(Memory& memory) const {
+  memory.put("started", {impl_->started ? 1.0 : 0.0});
+  if (!impl_->started) return;
+  const Account& a = impl_->account;
+  memory.put("account",
+             {a.first, a.loads, a.constraints, a.damping, a.turnover, a.largest_kinetic});
+  each_vector(impl_->last, [&](const std::string& name, const NodeVectors& v) {
+    memory.put(name, {v.data(), v.data() + v.size()});
+  });
+}
+
+void EnergyAccount::load(const Memory& memory) {
+  Impl& s = *impl_;
+  s.started = memory.get("started", 1).front() != 0;
+  if (!s.started) return;
+  const std::vector<double>& a = memory.get("account", 6);
+  s.account = {a[0], a[1], a[2], a[3], a[4], a[5]};
+  each_vector(s.last, [&](const std::string& name, NodeVectors& v) {
+    const auto& values = memory.get(name, static_cast<std::size_t>(3 * s.nodes));
+    v = Eigen::Map<const NodeVectors>(values.data(), s.nodes, 3);
+  });
+}
+
+}  // namespace deform

@@ -1,0 +1,43 @@
+/// Looks out for runs that gain energy from nowhere.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "deform/record/energy_account.h"
+#include "deform/solve/integrator.h"
+
+namespace deform {
+
+/// Takes the account of energy (EnergyAccount) of some steps, 1, 2, 4, 8 … and every 64th, which
+/// costs next to nothing, and warns once where four of these in a row have each gained more than a
+/// twentieth of what moved: energy that neither loads nor supports put in. Methods that damp lose
+/// some, and explicit ones take turns; only an unstable method, or one that is wrong, goes on to
+/// gain. Of statics, where there is no motion, and of terms without a potential nothing is known.
+class EnergyGuard {
+ public:
+  EnergyGuard(const System& system, const Integrator& integrator);
+
+  /// Whether the account of the step that begins with this number of steps done is taken: `begin`
+  /// and `end` are called then, and `at_break` in between.
+  [[nodiscard]] bool watches(long steps) const;
+  void begin(const Frame& frame);
+  void at_break(const Frame& frame);
+  void end(const Frame& frame);
+
+ private:
+  static constexpr std::size_t kInARow = 4;
+
+  [[nodiscard]] bool gains() const;
+  void warn(const Frame& frame, const EnergyFigures& figures);
+
+  EnergyAccount account_;
+  bool is_known_;  // whether the model's energy is
+  bool warned_ = false;
+  double counted_ = 0;                   // of the step under way, up to breaks [s]
+  std::array<double, kInARow> gains_{};  // of the last accounts, relative
+  std::size_t taken_ = 0;
+};
+
+}  // namespace deform
