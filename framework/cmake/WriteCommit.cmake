@@ -1,5 +1,6 @@
 # Writes FILE, which knows the commit of the sources in SOURCE_DIR; leaves it alone where that has not changed, so
 # that nothing is compiled again. Run by every build: a commit is not seen when the project is configured.
+cmake_minimum_required(VERSION 3.25)
 set(commit "")
 if(GIT)
   execute_process(COMMAND ${GIT} -C ${SOURCE_DIR} describe --always --dirty --abbrev=40 --exclude=*
@@ -13,7 +14,7 @@ file(CONFIGURE OUTPUT ${FILE} CONTENT "\
 
 namespace deform::app {
 
-const char* commit() { return \"@commit@\"; }
+const char* commit() { return \"${commit}\"; }
 
 }  // namespace deform::app
 " @ONLY)

@@ -44,16 +44,18 @@ def positions(height):
 class FilesTest(RunCommand):
     def scene_with_files(self, **changes):
         """A sheet whose stiffness, rest and first state stand in files beside it; 10 steps."""
-        (self.folder / "eta.txt").write_text(grid([[0.01, 0.02], [0.01, 0.02]]))
+        (self.folder / "eta.txt").write_text(grid([[0.01, 0.02], [0.015, 0.02]]))
         (self.folder / "xi.txt").write_text(grid([[1e-6, 2e-6], [1e-6, 1e-6]]))
         (self.folder / "rest.txt").write_text(positions(0))
         (self.folder / "initial.txt").write_text(positions(0.001))
         scene = sheet(variants={}, outputs=[{"plugin": "vtk", "every": 3}],
                       checkpoint={"every": 4, "seconds": 0}, **changes)
+        scene["surface"] = {"plugin": "grid", "nodes": [NODES, NODES], "size": [1.0, 1.0],
+                            "differences": "symmetric"}
         scene["surface"].update(rest={"plugin": "file", "path": "rest.txt"},
                                 initial={"plugin": "file", "path": "initial.txt"})
         scene["energies"][0]["eta"] = {"map": "eta.txt"}
-        scene["energies"][1]["xi"] = {"map": "xi.txt"}
+        scene["energies"][1] = {"plugin": "bending_variational", "xi": {"map": "xi.txt"}}
         return self.write(scene)
 
     def run_part(self, scene, *arguments, expect=0, out=None):
@@ -90,11 +92,12 @@ class ChangedFiles(FilesTest):
         old = path.read_text()
         rows = old.splitlines(keepends=True)
         if how == "a digit":
-            rows[0] = rows[0].rstrip("\n") + "1\n" if "." in rows[0].split()[-1] else "0.0 0.0 1e-3\n"
+            *others, last = rows[0].split()
+            rows[0] = " ".join([*others, repr(float(last) * (1 + 1e-9) or 1e-9)]) + "\n"
         elif how == "a comment":
             rows.append("# the same numbers, but another file\n")
-        elif how == "other order":
-            rows = rows[::-1]
+        elif how == "an empty line":
+            rows.append("\n")
         elif how == "scaled":
             rows = [" ".join(repr(1.001 * float(x)) for x in row.split()) + "\n" for row in rows]
         else:
@@ -104,7 +107,7 @@ class ChangedFiles(FilesTest):
 
     def each_change(self):
         for name in FILES:
-            for how in ("a digit", "a comment", "other order", "scaled", "commas"):
+            for how in ("a digit", "a comment", "an empty line", "scaled", "commas"):
                 path, old = self.changed(name, how)
                 self.assertNotEqual(path.read_text(), old)
                 yield path
@@ -258,15 +261,20 @@ class Damaged(FilesTest):
         self.assertNotIn("internal error", result.stderr)
 
     def valgrind(self, *arguments):
+        # The loader compares paths of libraries word by word, beyond their ends.
+        loader = self.folder / "loader.supp"
+        loader.write_text("{\n  loader\n  Memcheck:Addr8\n  fun:strncmp\n  fun:is_dst\n  ...\n}\n")
         return subprocess.run(
-            ["valgrind", "--quiet", "--error-exitcode=99", "--leak-check=no", PROGRAM,
-             *map(str, arguments)], cwd=self.folder, text=True, capture_output=True, timeout=600)
+            ["valgrind", "--quiet", "--error-exitcode=99", "--leak-check=no",
+             f"--suppressions={loader}", PROGRAM, *map(str, arguments)], cwd=self.folder, text=True, capture_output=True, timeout=600)
 
     def forget_results(self, run):
         """As if the run had been killed: its files have to stand for themselves."""
-        manifest = json.loads((run / "manifest.json").read_text())
-        manifest.pop("results", None)
+        text = (run / "manifest.json").read_text()
+        manifest = json.loads(text)
+        manifest.pop("results")
         (run / "manifest.json").write_text(json.dumps(manifest))
+        return text
 
     def test_flipped_bits_in_a_trajectory(self):
         scene = self.write(sheet(outputs=[], variants={"heavy": {"/material/density": 0.2}}))
@@ -280,13 +288,14 @@ class Damaged(FilesTest):
             bit = self.flipped(path, good, rng)
             with self.subTest(run=run.name, bit=bit):
                 self.assert_no_crash(self.deform("report", self.out), 0)
-                self.assertIn(b"nothing is shown of", (self.out / "report.html").read_bytes())
-                self.forget_results(run)
+                page = (self.out / "report.html").read_bytes()
+                self.assertTrue(b"nothing is shown of" in page, "the report says nothing of it")
+                manifest = self.forget_results(run)
                 check = self.valgrind if number < FLIPS_VALGRIND and shutil.which("valgrind") \
                     else self.deform
                 self.assert_no_crash(check("report", self.out), 0, 2)
                 path.write_bytes(good)
-                self.assert_no_crash(self.deform("report", self.out), 0)
+                (run / "manifest.json").write_text(manifest)
         # A comparison knows them by their hashes, and runs them again.
         self.assertEqual(self.deform("compare", scene, "--out", self.out, "--force").returncode, 0)
         for _ in range(max(FLIPS // 4, 1)):
@@ -494,7 +503,7 @@ class Full(FilesTest):
         result = self.limited(8, "compare", scene, "--out", self.out)
         self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
         self.assertIn("File too large", result.stderr)
-        self.assertRegex(result.stderr, r"trajectory\.bin|checkpoint\.bin|manifest\.json")
+        self.assertRegex(result.stderr, r"cannot (write|make) \S+/out/\S+: File too large")
         self.assertNotIn("not a trajectory", result.stderr)
 
     def test_report_that_cannot_be_written(self):
@@ -565,7 +574,6 @@ class Refusals(FilesTest):
         scene = self.write(sheet(outputs=[]))
         for name, text in (("base/summary.json", '{"status": 5}'), ("base/manifest.json", "[]"),
                            ("base/manifest.json", '{"program": "deform", "status": 5, "plugins": [3]}'),
-                           ("manifest.json", '{"kind": "comparison", "program": 5}'),
                            ("summary.json", '{"kind": "comparison", "variants": [5, {"name": 3}]}')):
             with self.subTest(name=name, text=text):
                 shutil.rmtree(self.out, ignore_errors=True)
@@ -574,6 +582,8 @@ class Refusals(FilesTest):
                 self.assertIn(self.deform("report", self.out).returncode, (0, 2))
                 result = self.deform("compare", scene, "--out", self.out, "--resume")
                 self.assertEqual(result.returncode, 0, result.stderr)
+        (self.out / "manifest.json").write_text('{"kind": "comparison", "program": 5}')
+        self.refuse("compare", scene, "--out", self.out, "--resume")
         (self.out / "manifest.json").write_text("{ broken")
         self.refuse("compare", scene, "--out", self.out, "--resume", words=["comparison"])
 

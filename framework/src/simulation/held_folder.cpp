@@ -9,13 +9,22 @@
 namespace deform {
 
 namespace fs = std::filesystem;
+namespace {
+
+/// Nothing, not even a lock, is written into a folder of somebody else.
+bool is_ours(const fs::path& folder) {
+  return holds_nothing(folder) || has_manifest(folder) || has_old_run(folder);
+}
+
+}  // namespace
 
 HeldFolder::HeldFolder(const fs::path& folder, FolderUse use)
     : folder_(fs::absolute(folder)), use_(use) {
   require_unheld(folder);
-  check_run_directory(folder, use != FolderUse::made);  // in the user's own words
+  // By the name that the user gave.
+  if (use != FolderUse::resumed) check_run_directory(folder, use == FolderUse::replaced);
   std::error_code error;
-  if (!fs::is_directory(folder_, error)) return;
+  if (!fs::is_directory(folder_, error) || !is_ours(folder_)) return;
   lock_.emplace(folder_);
   give_old_run_back(folder_);
 }

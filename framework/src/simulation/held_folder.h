@@ -20,7 +20,8 @@ enum class FolderUse : std::uint8_t {
 class HeldFolder {
  public:
   /// Holds it if it is there, and undoes what a process that was killed has left half done. Throws
-  /// InputError when another process holds it, or as check_run_directory does.
+  /// InputError when another process holds it, or as check_run_directory does; whether it can be
+  /// resumed in is for the caller to find out, who looks after that.
   HeldFolder(const std::filesystem::path& folder, FolderUse use);
 
   /// Makes the folder if it is not there, and holds it: another process may have made it meanwhile.
