@@ -5,6 +5,7 @@ import copy
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -81,7 +82,8 @@ class Interrupted(BrokenPlugins):
     def stops_and_resumes(self, integrator, seconds):
         scene = self.write(slow_sheet(integrator))
         arguments = ("--plugin-path", FIXTURES)
-        process = self.start("run", scene, "--out", self.out, "--force", *arguments, seconds=seconds)
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.start("run", scene, "--out", self.out, *arguments, seconds=seconds)
         said = self.stop_in_a_long_step(process, self.out)
         self.assertRegex(said, "interrupted within step [34] of 5.*--resume goes on after step [23]")
         for name in ("summary.json", "manifest.json"):
@@ -177,7 +179,7 @@ class EndedByAPlugin(BrokenPlugins):
         result = self.deform("compare", self.write(scene), "--out", self.out, "--plugin-path", FIXTURES,
                              "--reference", "fine")
         self.assertEqual(result.returncode, DONE, result.stderr)
-        runs = {run["name"]: run for run in json.loads((self.out / "summary.json").read_text())["runs"]}
+        runs = {run["name"]: run for run in json.loads((self.out / "summary.json").read_text())["variants"]}
         self.assertEqual(runs["fine"]["status"], "done")
         for name, cause in (("base", "exit()"), ("refused", "segmentation fault"), ("crashed", "stack overflow"),
                             ("left", "_exit()")):
