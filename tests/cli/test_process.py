@@ -5,6 +5,7 @@ import copy
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import time
@@ -20,7 +21,7 @@ HAS_SANITIZER = b"__asan_init" in Path(PROGRAM).read_bytes()
 
 INTEGRATORS = [{"plugin": name} for name in ("semi_implicit", "symplectic_euler", "runge_kutta", "backward_euler",
                                              "implicit_midpoint", "bdf2", "static")]
-INTEGRATORS.append({"plugin": "backward_euler", "error": 1e-3})
+INTEGRATORS.append({"plugin": "backward_euler", "error": 1e-3, "largest_step": 0.005})
 
 
 def held_sheet(**changes):
@@ -38,7 +39,8 @@ def slow_sheet(integrator, **changes):
     DEFORM_FIXTURE_SECONDS says; none where it says nothing."""
     scene = held_sheet(integrator={**integrator, "step": 0.02}, checkpoint={"every": 1})
     scene["energies"][1] = {"plugin": "bending_variational", "xi": 1e-6}
-    scene["forces"].append({"plugin": "slow", "from": 0.041})
+    scene["forces"][0]["time"] = {"ramp": [0, 1]}  # so that statics has something to do in every step
+    scene["forces"].append({"plugin": "slow", "from": 0.047})
     scene.update(changes)
     return scene
 
@@ -81,7 +83,8 @@ class Interrupted(BrokenPlugins):
     def stops_and_resumes(self, integrator, seconds):
         scene = self.write(slow_sheet(integrator))
         arguments = ("--plugin-path", FIXTURES)
-        process = self.start("run", scene, "--out", self.out, "--force", *arguments, seconds=seconds)
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.start("run", scene, "--out", self.out, *arguments, seconds=seconds)
         said = self.stop_in_a_long_step(process, self.out)
         self.assertRegex(said, "interrupted within step [34] of 5.*--resume goes on after step [23]")
         for name in ("summary.json", "manifest.json"):
@@ -177,7 +180,7 @@ class EndedByAPlugin(BrokenPlugins):
         result = self.deform("compare", self.write(scene), "--out", self.out, "--plugin-path", FIXTURES,
                              "--reference", "fine")
         self.assertEqual(result.returncode, DONE, result.stderr)
-        runs = {run["name"]: run for run in json.loads((self.out / "summary.json").read_text())["runs"]}
+        runs = {run["name"]: run for run in json.loads((self.out / "summary.json").read_text())["variants"]}
         self.assertEqual(runs["fine"]["status"], "done")
         for name, cause in (("base", "exit()"), ("refused", "segmentation fault"), ("crashed", "stack overflow"),
                             ("left", "_exit()")):
