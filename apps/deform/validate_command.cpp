@@ -8,7 +8,6 @@
 
 #include "deform/error.h"
 #include "deform/log.h"
-#include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 #include "deform/simulation/scene.h"
 
@@ -33,10 +32,7 @@ void check_all(const std::vector<Scene>& scenes,
   std::set<std::string> known;
   for (const Scene& scene : scenes) {
     try {
-      std::vector<Problem> found = remarks(scene);
-      const std::vector<Problem> of_parts = check(scene, registry);
-      found.insert(found.end(), of_parts.begin(), of_parts.end());
-      for (const Problem& remark : found) {
+      for (const Problem& remark : check(scene, registry)) {
         if (known.insert(told(scene, remark)).second) warnings.push_back(remark);
       }
     } catch (const InputError& error) {

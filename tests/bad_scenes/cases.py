@@ -34,7 +34,8 @@ BEYOND_SCHEMA = {
                  r"found \S*1e\+300\S*, expected .*whole number"),
     "plugin": ("what a plugin's constructor alone knows",
                r"is empty|must be 1 or -1|too extreme|normal is 0|rounding is more"
-               r"|inside of this collider|no number holds|no area around node|weighs|number of waves"),
+               r"|inside of this collider|no number holds|no area around node|weighs"
+               r"|number of waves"),
 }
 
 BASE = {

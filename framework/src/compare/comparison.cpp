@@ -16,7 +16,6 @@
 #include "deform/error.h"
 #include "deform/log.h"
 #include "deform/parallel.h"
-#include "deform/simulation/remarks.h"
 #include "deform/simulation/run.h"
 
 #include "compare/comparison_files.h"
@@ -27,6 +26,7 @@
 #include "simulation/held_folder.h"
 #include "simulation/json_file.h"
 #include "simulation/run_directory.h"
+#include "simulation/run_parts.h"
 
 namespace deform {
 namespace {
@@ -41,6 +41,18 @@ void check_resumable(const fs::path& folder) {
   if (!manifest.is_object() || manifest.value("kind", Json()) != "comparison")
     throw InputError(
         fmt::format("cannot resume in '{}': it is not a comparison directory", folder.string()));
+}
+
+/// What the runs' scenes say that may not be meant, each once; dropped parameters stand below the
+/// table.
+void warn_of_remarks(const ComparisonPlan& plan) {
+  std::set<std::string> said;
+  for (const PlannedRun& run : plan.runs) {
+    Scene scene = run.scene;
+    scene.dropped.clear();
+    for (const Problem& remark : remarks_on(scene))
+      if (said.insert(remark.message).second) log::warn(remark.message);
+  }
 }
 
 /// Number of the run that the others are measured against: the planned reference if it ended as
@@ -145,18 +157,6 @@ Comparison conclude(const ComparisonOptions& options, const ComparisonPlan& plan
     comparison.runs.push_back(std::move(run));
   }
   return comparison;
-}
-
-/// What several variants share is said once.
-void warn_of_remarks(const ComparisonPlan& plan) {
-  std::set<std::string> said;
-  for (const PlannedRun& run : plan.runs)
-    for (const Problem& remark : remarks(run.scene)) {
-      const std::string front = run.scene.located({remark.pointer, ""}).message;
-      const bool has_place = remark.message.starts_with(front);
-      const std::string bare = remark.message.substr(has_place ? front.size() : 0);
-      if (said.insert(bare).second) log::warn(remark.message);
-    }
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 #include <fmt/format.h>
 
 #include "deform/log.h"
-#include "deform/simulation/remarks.h"
 
 #include "plugin/process_end.h"
 #include "profile/profile.h"
@@ -212,7 +211,6 @@ void Recording::begin_folder() {
 RunResult Recording::execute() {
   begin_folder();
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
-  for (const Problem& remark : remarks(scene_)) log::warn(remark.message);
   if (found_.checkpoint) {
     log::info(fmt::format("resumed after step {}", checkpoint_step_));
     manifest_.resume(checkpoint_step_);

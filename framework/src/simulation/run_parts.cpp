@@ -1,5 +1,6 @@
 #include "simulation/run_parts.h"
 
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -76,9 +77,28 @@ std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginReg
   return maker.problems();
 }
 
+std::vector<Problem> remarks_on(const Scene& scene) {
+  std::vector<Problem> remarks;
+  // Of a step: far more than rounding makes of the quotient, far less than anybody means.
+  constexpr double kRounding = 1e-6;
+  const auto steps = static_cast<double>(scene.steps());
+  if (std::abs(scene.duration / scene.step - steps) > kRounding)
+    remarks.push_back(scene.located(
+        {"/duration",
+         fmt::format("{} s is no whole number of steps of {} s: {} are run, to {:.6g} s",
+                     scene.duration, scene.step, steps, steps * scene.step)}));
+  for (const std::string& pointer : scene.dropped)
+    remarks.push_back(scene.located(
+        {pointer,
+         fmt::format("at {}: dropped, as the plugin put in has no such parameter", pointer)}));
+  for (const Problem& problem : scene.elsewhere)
+    remarks.push_back({problem.pointer, problem.message + " (not needed for this run)"});
+  return remarks;
+}
+
 std::vector<Problem> remarks_on(const RunParts& parts) {
   const Scene& scene = parts.simulation->scene();
-  std::vector<Problem> remarks;
+  std::vector<Problem> remarks = remarks_on(scene);
   if (parts.simulation->integrator().lags_coefficients()) return remarks;
   const auto remark = [&](const std::string& pointer) {
     remarks.push_back(scene.located(

@@ -30,7 +30,9 @@ struct RunParts {
 /// Begins the probes. Throws InputError for what one of them rejects.
 void begin_probes(RunParts& parts, const RunContext& context);
 
-/// What is no error, though the user may not have meant it; each with its place.
+/// What is no error, though the user may not have meant it; each with its place. Of the scene as it
+/// is written, and of all that is made of it.
+[[nodiscard]] std::vector<Problem> remarks_on(const Scene& scene);
 [[nodiscard]] std::vector<Problem> remarks_on(const RunParts& parts);
 
 /// The problems that show when the parts of a scene are made that the reader found nothing wrong
