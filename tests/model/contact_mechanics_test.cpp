@@ -61,19 +61,26 @@ Replacement plane(double z, double friction) {
 }
 Replacement velocity(double x, double z) { return {"/velocity", fmt::format("[{}, 0, {}]", x, z)}; }
 
-Simulation run(const Method& m, double step, double duration,
-               const std::vector<Replacement>& replacements) {
-  Simulation s = sheet(m, step, duration, replacements);
-  EXPECT_FALSE(test::run_to_end(s)) << name_of(m);
-  return s;
-}
+/// Such a sheet after its last step.
+class Ended {
+ public:
+  Ended(const Method& m, double step, double duration, const std::vector<Replacement>& replacements)
+      : simulation_(sheet(m, step, duration, replacements)) {
+    EXPECT_FALSE(test::run_to_end(simulation_)) << name_of(m);
+  }
+  [[nodiscard]] const State& state() const { return simulation_.state(); }
+  System& system() { return simulation_.system(); }
 
-double largest_speed(const Simulation& s) { return s.state().v.rowwise().norm().maxCoeff(); }
+ private:
+  Simulation simulation_;
+};
+
+double largest_speed(const Ended& s) { return s.state().v.rowwise().norm().maxCoeff(); }
 
 TEST(ContactMechanics, AnImpactTakesAllOfTheNormalVelocity) {
   for (const Method& m : methods())
     for (const double height : {0.1, 0.1003, 0.1019}) {  // wherever in a step it happens
-      const Simulation s = run(m, 0.001, 0.06, {velocity(0, -2), plane(-height, 0.3)});
+      Ended s(m, 0.001, 0.06, {velocity(0, -2), plane(-height, 0.3)});
       EXPECT_LE(largest_speed(s), 1e-8) << name_of(m);
       EXPECT_NEAR(s.state().r.col(2).minCoeff(), -height, 1e-9) << name_of(m);
       EXPECT_NEAR(s.state().r.col(2).maxCoeff(), -height, 1e-9) << name_of(m);
@@ -85,7 +92,7 @@ TEST(ContactMechanics, AnImpactIsResistedByFrictionTimesItsImpulse) {
   for (const Method& m : methods())
     for (const double height : {0.01, 0.0103, 0.0119})
       for (const auto& [before, after] : {std::pair(3.0, 2.4), {0.5, 0.0}, {-1.0, -0.4}}) {
-        const Simulation s = run(m, 0.001, 0.02, {velocity(before, -2), plane(-height, 0.3)});
+        Ended s(m, 0.001, 0.02, {velocity(before, -2), plane(-height, 0.3)});
         EXPECT_NEAR(s.state().v.col(0).mean(), after, 1e-6) << name_of(m) << ' ' << before;
         EXPECT_LE(s.state().v.col(2).cwiseAbs().maxCoeff(), 1e-8) << name_of(m) << ' ' << before;
       }
@@ -100,7 +107,7 @@ TEST(ContactMechanics, WhatSlidesFollowsCoulombsLaw) {
       fmt::format(R"({{"plugin": "gravity", "acceleration": [{}, 0, {}]}})", along, -into)};
   for (const Method& m : methods())
     for (const double friction : {0.0, 0.1, 0.3, 0.6}) {
-      const Simulation s = run(m, dt, T, {gravity, plane(0, friction)});
+      Ended s(m, dt, T, {gravity, plane(0, friction)});
       const double a = std::max(0.0, along - friction * into);
       EXPECT_NEAR(s.state().v.col(0).mean(), a * T, 1e-6) << name_of(m) << ' ' << friction;
       // The exact way, but for half a step's that methods of first order are ahead.
@@ -120,7 +127,7 @@ TEST(ContactMechanics, ANodeThatIsPartlyHeldHasContactWhereItIsFree) {
           fmt::format(
               R"({{"plugin": "pin", "where": {{"box": [[0, 0], [1, 1]]}}, "components": {}}})",
               components)};
-      const Simulation s = run(m, 0.01, 0.3, {gravity, pin, plane(-0.1, 0.3)});
+      Ended s(m, 0.01, 0.3, {gravity, pin, plane(-0.1, 0.3)});
       EXPECT_NEAR(s.state().r.col(2).minCoeff(), -0.1, 1e-9) << name_of(m);
       EXPECT_LE(largest_speed(s), 1e-9) << name_of(m);
       EXPECT_EQ(s.state().r.col(1), s.system().surface().initial().col(1)) << name_of(m);
@@ -151,8 +158,7 @@ TEST(ContactMechanics, TiedNodesHaveContact) {
       "/constraints/-", R"({"plugin": "symmetry", "where": {"boundary": "left"}, "plane": "x"})"};
   for (const Method& m : methods()) {
     if (m.integrator == "semi_implicit") continue;  // takes no such ties
-    const Simulation s =
-        run(m, 0.01, 0.3, {{"/surface/nodes", "[5, 5]"}, gravity, symmetry, plane(-0.1, 0.3)});
+    Ended s(m, 0.01, 0.3, {{"/surface/nodes", "[5, 5]"}, gravity, symmetry, plane(-0.1, 0.3)});
     EXPECT_NEAR(s.state().r.col(2).minCoeff(), -0.1, 1e-8) << name_of(m);
     EXPECT_LE(largest_speed(s), 1e-6) << name_of(m);
   }
@@ -193,7 +199,7 @@ TEST(ContactMechanics, NothingPassesABodyWithinAStep) {
 /// Beside a body nothing is stopped by it.
 TEST(ContactMechanics, WhatPassesBesideABodyGoesOn) {
   for (const Method& m : methods()) {
-    const Simulation s = run(
+    Ended s(
         m, 0.01, 0.1,
         {velocity(0, -100),
          {"/limits", R"({"distance": 1e5})"},

@@ -178,8 +178,8 @@ constexpr const char* kStiff =
        "velocity": {"spin": [0, 0, 2]})";
 /// Turns about no axis of symmetry, bent at first.
 constexpr const char* kBent =
-    R"("energies": [{"plugin": "koiter", "young": 1e5, "poisson": 0.3, "thickness": 1e-2}],
-       "velocity": ["1 + 2*(a2-0.5)", "-2*(a1-0.5)", "3*(a1-0.5)^2 + a2"])";
+    R"s("energies": [{"plugin": "koiter", "young": 1e5, "poisson": 0.3, "thickness": 1e-2}],
+       "velocity": ["1 + 2*(a2-0.5)", "-2*(a1-0.5)", "3*(a1-0.5)^2 + a2"])s";
 constexpr const char* kOfSprings =
     R"("energies": [{"plugin": "edge_springs", "stiffness": 1000}],
        "velocity": {"spin": [0.3, 0, 2]})";

@@ -52,13 +52,13 @@ TEST(PatchLoad, IsCutAtTheBorderAndUnited) {
 }
 
 TEST(PatchLoad, GoesRoundJoinedSides) {
-  const Load load = load_of(simulation_from_text(
-      scene(16, R"({"centre": [0, 0.5], "radius": 0.1})",
-            R"(, "periodic": [true, false], "rest": {"plugin": "formula",
-                 "x": "sin(2*pi*a1)", "z": "cos(2*pi*a1)"})")));
+  const Load load = load_of(
+      simulation_from_text(scene(16, R"({"centre": [0, 0.5], "radius": 0.1})",
+                                 R"s(, "periodic": [true, false], "rest": {"plugin": "formula",
+                 "x": "sin(2*pi*a1)", "z": "cos(2*pi*a1)"})s")));
   EXPECT_NEAR(load.total, 2, 1e-13);
-EXPECT_NEAR(load.centre.y(), 0.5, 1e-13);
-EXPECT_GT(load.nodes, 8);
+  EXPECT_NEAR(load.centre.y(), 0.5, 1e-13);
+  EXPECT_GT(load.nodes, 8);
 }
 
 /// Nodes, corners, sides and lines are taken whole; so are all nodes where all weigh the same, as

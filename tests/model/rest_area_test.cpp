@@ -45,27 +45,24 @@ TEST(RestArea, WeightIsThatOfTheRestSurface) {
        4 * 0.5 * pi * std::sin(latitude)},
       {"sphere patch", square, R"({"plugin": "sphere_patch", "radius": 0.6})",
        2 * 0.6 * std::sin(0.5 / 0.6)},
-      {"slope", square, R"({"plugin": "formula", "z": "a1"})", std::sqrt(2)},
+      {"slope", square, R"s({"plugin": "formula", "z": "a1"})s", std::sqrt(2)},
       {"uneven, flat", square,
-       R"({"plugin": "formula", "x": "a1+0.1*sin(2*pi*a1)", "y": "a2*(1+a2)"})", 2},
+       R"s({"plugin": "formula", "x": "a1+0.1*sin(2*pi*a1)", "y": "a2*(1+a2)"})s", 2},
       {"cylinder, uneven", long_way,
-       R"({"plugin": "formula", "x": "sin(a1+a1^2/4)", "y": "3*a2", "z": "cos(a1+a1^2/4)"})",
+       R"s({"plugin": "formula", "x": "sin(a1+a1^2/4)", "y": "3*a2", "z": "cos(a1+a1^2/4)"})s",
        3 * 1.5},
-      {
-    "flat", long_way, R"({"plugin": "flat"})", 1
-  }
-};
-for (const Case& c : cases)
-  for (const char* differences :
-       {R"(, "differences": "symmetric")", R"(, "differences": "forward", "border": "paper")"})
-    EXPECT_NEAR(weight(c.surface + differences, c.rest) / (2 * c.area), 1, 1e-3) << c.name;
+      {"flat", long_way, R"({"plugin": "flat"})", 1}};
+  for (const Case& c : cases)
+    for (const char* differences :
+         {R"(, "differences": "symmetric")", R"(, "differences": "forward", "border": "paper")"})
+      EXPECT_NEAR(weight(c.surface + differences, c.rest) / (2 * c.area), 1, 1e-3) << c.name;
 }
 
 /// Where a1 and a2 are lengths nothing is multiplied, wherever the sheet lies.
 TEST(RestArea, FlatSheetsHaveExactlyTheirParametersArea) {
   for (const char* rest :
-       {R"({"plugin": "flat"})", R"({"plugin": "formula", "x": "a1+1024", "z": "7"})",
-        R"({"plugin": "formula", "x": "0.6*a1", "y": "a2", "z": "0.8*a1"})"})
+       {R"({"plugin": "flat"})", R"s({"plugin": "formula", "x": "a1+1024", "z": "7"})s",
+        R"s({"plugin": "formula", "x": "0.6*a1", "y": "a2", "z": "0.8*a1"})s"})
     for (const char* weights : {"area", "equal"}) {
       const std::string surface =
           std::string(R"("nodes": [31, 17], "size": [0.7, 0.3], "differences": "forward",
@@ -101,7 +98,7 @@ TEST(RestArea, ParametersAreAChoice) {
 TEST(RestArea, NoAreaIsNoMass) {
   try {
     (void)simulation_from_text(
-        scene(R"("nodes": [5, 5])", R"({"plugin": "formula", "y": "0*a2"})"));
+        scene(R"("nodes": [5, 5])", R"s({"plugin": "formula", "y": "0*a2"})s"));
     FAIL() << "a line has no mass";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("no area around node"), std::string::npos)
@@ -111,22 +108,22 @@ TEST(RestArea, NoAreaIsNoMass) {
 
 /// A viscous stream at rest: total drag 2 N·s/m³ · 1 m/s · √2 m² cos 45° normal to a slope.
 TEST(RestArea, DragAndEdgeLoadsGoByTheRestSurfaceToo) {
-  const auto force = [](const std::string& force, const std::string& rest) {
+  const auto force_of = [](const std::string& load, const std::string& rest) {
     Simulation s = simulation_from_text(
         scene(R"("nodes": [9, 9], "size": [1, 1])", rest),
-        {{.pointer = "/forces", .value = '[' + force + ']'},
+        {{.pointer = "/forces", .value = '[' + load + ']'},
          {.pointer = "/energies", .value = R"([{"plugin": "stretching", "eta": 0}])"}});
     s.system().update_geometry(s.state());
     return Vec3(s.system().external_force(s.state()).colwise().sum());
   };
-  const Vec3 drag = force(R"({"plugin": "viscous_fluid", "viscosity": 2, "velocity": [0, 0, 1]})",
-                          R"({"plugin": "formula", "z": "a1"})");
+  const Vec3 drag =
+      force_of(R"({"plugin": "viscous_fluid", "viscosity": 2, "velocity": [0, 0, 1]})",
+               R"s({"plugin": "formula", "z": "a1"})s");
   EXPECT_LT((drag - 2 * std::sqrt(2) * std::sqrt(0.5) * Vec3(-1, 0, 1) / std::sqrt(2)).norm(),
             1e-9);
   const Vec3 pull =
-      force(R"({"plugin": "edge_load", "force": [1, 0, 0], "where": {"boundary": "right"}})",
-            R"({"plugin": "formula", "y": "0.3*sin(a2*pi)", "z": "0.3*cos(a2*pi)"
-})");
+      force_of(R"({"plugin": "edge_load", "force": [1, 0, 0], "where": {"boundary": "right"}})",
+               R"s({"plugin": "formula", "y": "0.3*sin(a2*pi)", "z": "0.3*cos(a2*pi)"})s");
   EXPECT_NEAR(pull.x(), 0.3 * pi, 1e-3 * 0.3 * pi);
 }
 
@@ -147,12 +144,12 @@ TEST(RestArea, FrequencyDoesNotDependOnParameters) {
     const double expected = 2 * pi * pi * std::sqrt(0.09157509157509157 / 2);
     EXPECT_NEAR(frequency(R"({"plugin": "flat"})") / expected, 1, 0.005) << energy;
     EXPECT_NEAR(
-        frequency(R"({"plugin": "formula", "x": "a1+0.04*sin(2*pi*a1)", "y": "a2*(0.8+0.2*a2)"
-  })") /
+        frequency(
+            R"s({"plugin": "formula", "x": "a1+0.04*sin(2*pi*a1)", "y": "a2*(0.8+0.2*a2)"})s") /
             expected,
         1, 0.01)
         << energy;
-}
+  }
 }
 
 /// A sheet that is named weighs what it weighs, unless the scene says otherwise.
