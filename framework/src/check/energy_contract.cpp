@@ -281,7 +281,7 @@ void check_blocks(const Subject& subject, const Terrain& terrain, Checks& checks
 /// can tell where that is more; beyond kLeast they tell nothing that could be called passed.
 double limit_of(double resolution) {
   constexpr double kPromised = 1e-6, kLeast = 1e-4;
-  constexpr double kCertain = 4;  // of an estimate of that error
+  constexpr double kCertain = 10;  // by this an estimate of rounding may be too low
   return std::clamp(kCertain * resolution, kPromised, kLeast);
 }
 constexpr const char* kCureOfForces =
