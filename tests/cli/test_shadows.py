@@ -11,9 +11,19 @@ FIGURES = {"angle.mean": "rad", "angle.max": "rad", "force.rms": "N", "force.max
            "force.relative": "1"}
 
 
+def after_file(checkpoint, at):
+    """Where the description of a written file ends that begins there."""
+    name, digits, _ = struct.unpack_from("<QQQ", checkpoint, at)
+    return at + 24 + name + digits
+
+
 def memory_of(checkpoint):
     """The entries of a checkpoint file."""
-    at = len(b"deform checkpoint\n") + 4 + 64 + 8 + 8
+    at = len(b"deform checkpoint\n") + 4 + 64 + 8
+    (files,) = struct.unpack_from("<Q", checkpoint, at)
+    at += 8
+    for _ in range(files):  # that it relies on: name, bytes, hash
+        at = after_file(checkpoint, at)
     (count,) = struct.unpack_from("<Q", checkpoint, at)
     at += 8
     entries = {}

@@ -286,7 +286,9 @@ TEST(EdgeLoad, IsForceTimesLength) {
         fmt::format(R"(, "nodes": [7, 6], "differences": "central", "weights": "{}")", weights));
     State state = disturbed(s.system().rest(), 0.1);
     const NodeVectors f = s.system().external_force(state);
-    EXPECT_LT((Vec3(f.colwise().sum()) - 1.8 * Vec3(1, -2, 3)).norm(), 1e-14);
+    // A meridian, and a circle of latitude that is shorter than the equator.
+    const double length = 0.8 + std::cos(0.8 / (2 * 1.5));
+    EXPECT_LT((Vec3(f.colwise().sum()) - length * Vec3(1, -2, 3)).norm(), 1e-4);
     EXPECT_NEAR(s.system().external_potential(state), -f.cwiseProduct(state.r).sum(), 1e-13);
   }
 }

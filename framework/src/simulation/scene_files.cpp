@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "deform/error.h"
+
 #include "simulation/sha256.h"
 
 namespace deform {
@@ -37,12 +39,24 @@ fs::path as_seen_from(const fs::path& folder, const fs::path& file) {
   return common > kRootAlone && is_utf8(relative.string()) ? relative : file;
 }
 
+/// Empty for what cannot be read, and for devices, which may have no end: the plugin that wants the
+/// file says what is wrong with it, and where.
+std::string hash_of(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return "";
+  try {
+    return sha256_of_file(path);
+  } catch (const Error&) {
+    return "";
+  }
+}
+
 }  // namespace
 
 std::vector<HashedFile> hashed_files(const Scene& scene) {
   std::vector<HashedFile> hashed;
   for (const SceneFile& file : scene.files)
-    hashed.push_back({file.pointer, file.path, sha256_of_file(file.path)});
+    hashed.push_back({file.pointer, file.path, hash_of(file.path)});
   return hashed;
 }
 

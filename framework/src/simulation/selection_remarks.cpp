@@ -110,14 +110,14 @@ std::vector<Problem> selection_remarks(const Scene& scene, const Surface& surfac
   return remarks;
 }
 
-void warn_of_selections(const Scene& scene, const Surface& surface) {
+void log_selection_remarks(const Scene& scene, const Surface& surface) {
   static std::mutex mutex;
   static std::set<std::string> said;
   const std::scoped_lock lock(mutex);
   for (const Problem& remark : selection_remarks(scene, surface)) {
     const std::string place = scene.place ? scene.place(remark.pointer) : scene.file.string();
     const std::string text = place + ": " + remark.message;
-    if (said.insert(text).second) log::warn(text);
+    if (said.insert(text).second) log::info(text);
   }
 }
 

@@ -16,6 +16,6 @@ namespace deform {
 
 /// Warns of them, of each once however many simulations a program makes of a scene and its
 /// variants.
-void warn_of_selections(const Scene& scene, const Surface& surface);
+void log_selection_remarks(const Scene& scene, const Surface& surface);
 
 }  // namespace deform

@@ -171,7 +171,7 @@ void Simulation::Impl::make_system() {
   auto made_integrator = maker.make<Integrator>(scene.integrator, setup);
   parts.make_solvers = solver_factory(maker, surface->object);
   maker.throw_problems();
-  if (!mirrored) warn_of_selections(scene, *surface->object);
+  if (!mirrored) log_selection_remarks(scene, *surface->object);
 
   integrator = *made_integrator;
   keep<Surface>(PluginKind::surface, {*surface});
