@@ -41,8 +41,12 @@ fs::path as_seen_from(const fs::path& folder, const fs::path& file) {
 
 std::vector<HashedFile> hashed_files(const Scene& scene) {
   std::vector<HashedFile> hashed;
-  for (const SceneFile& file : scene.files)
-    hashed.push_back({file.pointer, file.path, sha256_of_file(file.path)});
+  for (const SceneFile& file : scene.files) {
+    // Others are refused with their place when what they are for is made; a device has no end.
+    std::error_code error;
+    const bool is_readable = fs::is_regular_file(file.path, error);
+    hashed.push_back({file.pointer, file.path, is_readable ? sha256_of_file(file.path) : ""});
+  }
   return hashed;
 }
 
