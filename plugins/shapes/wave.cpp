@@ -32,8 +32,8 @@ class Wave final : public Shape {
     for (Index a = 0; a < r.rows(); ++a) {
       const double phase = 2 * std::numbers::pi * parameters(a, p_.along - 1) / p_.wavelength;
       if (!std::isfinite(phase))
-        throw InputError({Problem{"/wavelength",
-                                  "too short: the number of waves on the surface must be finite"}});
+        throw InputError(
+            "a wavelength so short that the number of waves on the surface is not finite");
       r.row(a) =
           p_.origin + Vec3(parameters(a, 0), parameters(a, 1), p_.amplitude * std::cos(phase));
     }

@@ -50,8 +50,13 @@ void warn_of_remarks(const ComparisonPlan& plan) {
   for (const PlannedRun& run : plan.runs) {
     Scene scene = run.scene;
     scene.dropped.clear();
-    for (const Problem& remark : remarks_on(scene))
-      if (said.insert(remark.message).second) log::warn(remark.message);
+    for (const Problem& remark : remarks_on(scene)) {
+      // Without the place and the variant's name, which differ where the remark does not.
+      const std::string front = run.scene.located({remark.pointer, ""}).message;
+      const bool has_front = remark.message.starts_with(front);
+      if (said.insert(remark.message.substr(has_front ? front.size() : 0)).second)
+        log::warn(remark.message);
+    }
   }
 }
 
