@@ -112,7 +112,7 @@ class PluginCheck(unittest.TestCase):
 
     def test_an_energy_alone_is_right_as_far_as_differences_tell(self):
         found = self.check(FIXTURES / "energy-density_alone.so")
-        stress = [line for line in found.splitlines() if line.startswith("stress ")]
+        stress = [line for line in found.splitlines() if line.strip().startswith("stress ")]
         self.assertEqual(len(stress), 1, found)
         self.assertIn("reported", stress[0])
         self.assertIn("`stress`", found)

@@ -9,8 +9,8 @@
 namespace deform {
 namespace {
 
-/// Steps from one account to the next, once there have been so many.
-constexpr long kInterval = 64;
+/// Steps before the first account, and from one to the next.
+constexpr long kFirst = 16, kInterval = 256;
 /// Part of what moved that a step may gain.
 constexpr double kMost = 0.05;
 
@@ -26,14 +26,16 @@ EnergyGuard::EnergyGuard(const System& system, const Integrator& integrator)
     : account_(system), is_known_(knows_energy(system, integrator)) {}
 
 bool EnergyGuard::watches(long steps) const {
-  const long step = steps + 1;
-  const bool is_early = step < kInterval && (step & (step - 1)) == 0;
-  return is_known_ && !warned_ && (is_early || step % kInterval == 0);
+  return is_known_ && !warned_ && steps >= kFirst &&
+         (steps - kFirst) % kInterval < static_cast<long>(kInARow);
 }
 
 void EnergyGuard::begin(const Frame& frame) {
-  account_.start(frame);
   counted_ = 0;
+  if (frame.step == last_) return;
+  account_.start(frame);
+  drift_ = 0;
+  taken_ = 0;
 }
 
 void EnergyGuard::at_break(const Frame& frame) {
@@ -43,23 +45,27 @@ void EnergyGuard::at_break(const Frame& frame) {
 
 void EnergyGuard::end(const Frame& frame) {
   account_.add_part(frame, frame.step_size - counted_);
+  last_ = frame.step;
   const EnergyFigures figures = account_.figures(frame);
-  gains_[taken_++ % kInARow] = figures.scale() > 0 ? figures.drift() / figures.scale() : 0;
-  if (gains()) warn(frame, figures);
+  const double gain = figures.drift() - drift_;
+  const double relative = figures.scale() > 0 ? gain / figures.scale() : 0;
+  drift_ = figures.drift();
+  gains_[taken_++ % kInARow] = relative;
+  if (gains()) warn(frame, gain, relative);
 }
 
 bool EnergyGuard::gains() const {
   return taken_ >= kInARow && std::ranges::all_of(gains_, [](double gain) { return gain > kMost; });
 }
 
-void EnergyGuard::warn(const Frame& frame, const EnergyFigures& figures) {
+void EnergyGuard::warn(const Frame& frame, double gain, double relative) {
   warned_ = true;
   log::warn(fmt::format(
       "the run gains energy from nowhere: {:.3g} J in step {} ({:.2g} of what moved), which "
-      "neither loads nor supports put in, and likewise in earlier steps. The method is unstable "
+      "neither loads nor supports put in, and likewise in the steps before. The method is unstable "
       "with this step, or a term's force is not the gradient of its energy: try a shorter "
       "/integrator/step, 'backward_euler' or 'bdf2'; the probe energy_balance shows the account",
-      figures.drift(), frame.step, figures.drift() / figures.scale()));
+      gain, frame.step, relative));
 }
 
 }  // namespace deform
