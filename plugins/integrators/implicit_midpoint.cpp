@@ -9,8 +9,10 @@ struct Parameters : ImplicitParameters {
 };
 
 /// M (v⁺ − v)/h = f(r_m, v_m, t + h/2) − Γ v_m with r_m = (r + r⁺)/2, v_m = (r⁺ − r)/h = (v +
-/// v⁺)/2: a stage of length h/2, then as far again. Second order; symplectic: keeps momentum and
-/// angular momentum, and energy without drift.
+/// v⁺)/2: a stage of length h/2, then as far again. Second order; keeps momentum and angular
+/// momentum. Energies that know strains are those of the mean of both ends' strains, not of the
+/// mean of both ends' positions, which a turn shrinks: their forces do the work of the change of
+/// energy, so that this is kept, too, for steps of any size (System::average_strains_from).
 class ImplicitMidpoint final : public ImplicitIntegrator {
  public:
   ImplicitMidpoint(const Parameters& p, const Setup& /*setup*/) : ImplicitIntegrator(p) {}
@@ -68,11 +70,14 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
 
 }  // namespace
 
-DEFORM_PLUGIN(ImplicitMidpoint, Parameters, .name = "implicit_midpoint", .version = "1.0",
-              .summary =
-                  "implicit, second order, without damping of its own: for long flights and "
-                  "vibrations",
-              .formula =
-                  "M (v⁺ − v)/h = f((r + r⁺)/2, (v + v⁺)/2) − Γ (v + v⁺)/2, "
-                  "r⁺ = r + h (v + v⁺)/2",
-              .source = "Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.2, VI.4")
+DEFORM_PLUGIN(
+    ImplicitMidpoint, Parameters, .name = "implicit_midpoint", .version = "1.0",
+    .summary =
+        "implicit, second order, without damping of its own: for long flights and "
+        "vibrations",
+    .formula =
+        "M (v⁺ − v)/h = f((r + r⁺)/2, (v + v⁺)/2) − Γ (v + v⁺)/2, "
+        "r⁺ = r + h (v + v⁺)/2; stress at (G + G⁺)/2, (B + B⁺)/2",
+    .source =
+        "Hairer, Lubich, Wanner, Geometric Numerical Integration, IV.2, VI.4; mean strains: "
+        "Simo & Tarnow 1992")

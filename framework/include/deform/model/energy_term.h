@@ -31,7 +31,9 @@ struct TermTraits {
   bool semidefinite = false;  ///< the lagged operator is positive semidefinite
   bool strong_form = false;   ///< needs samples that are the nodes, and FieldDifferences
   /// Is a function of G and B less those of SampleBlock::origin, and of SampleBlock::rest else:
-  /// damping of the material is then that of exact strain rates over a step.
+  /// damping of the material is then that of exact strain rates over a step, and forces over a step
+  /// conserve the energy where a method asks for it (Geometry::make_mean). A stress is then Σ_a S_a
+  /// ∂G_a + M_a ∂B_a with S and M of now.G and now.B, and derivatives of now's jet, n and Γ.
   bool strains = false;
   /// Only for terms with a lagged operator: offers `stress` beside `affine_stress`, the same at
   /// now == lagged, which is used wherever no operator is asked for.
