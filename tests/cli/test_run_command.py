@@ -225,6 +225,19 @@ class Talk(RunCommand):
         self.assertEqual(result.returncode, 0)
         self.assertEqual(result.stderr.count("no whole number of steps"), 1, result.stderr)
 
+    def test_energy_from_nowhere_is_told(self):
+        """An explicit method beyond its limit of stability, which here lies at about 4.5 ms."""
+        for step, gains in ((0.004, False), (0.005, True)):
+            springs = {"surface": {"plugin": "grid", "nodes": [3, 3], "size": [1, 1]},
+                       "material": {"density": 0.2}, "limits": {"distance": 1e6},
+                       "energies": [{"plugin": "edge_springs", "stiffness": 1000}],
+                       "velocity": ["0.01*a1", "0", "0"],
+                       "integrator": {"plugin": "symplectic_euler", "step": step},
+                       "duration": 40 * step}
+            said = self.run_scene(springs, "--quiet", "--force").stderr
+            self.assertEqual("gains energy from nowhere" in said, gains, said)
+            self.assertEqual("in step 20 " in said, gains, said)
+
     def test_an_error_below_rounding_is_refused(self):
         for integrator in ("backward_euler", "bdf2", "implicit_midpoint", "runge_kutta"):
             with self.subTest(integrator=integrator):
