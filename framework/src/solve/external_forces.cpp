@@ -19,10 +19,7 @@ void reflect(const NodeVectors& from, NodeVectors& to) {
 }  // namespace
 
 ExternalForces::ExternalForces(const ModelParts& parts)
-    : forces_(parts.forces),
-      areas_(parts.areas),
-      mass_(parts.mass),
-      mirrored_(parts.mirrored) {
+    : forces_(parts.forces), areas_(parts.areas), mass_(parts.mass), mirrored_(parts.mirrored) {
   for (const auto& f : forces_) {
     traits_.push_back(guarded(f.origin, "saying what it is", [&] { return f.object->traits(); }));
     needs_normals_ = needs_normals_ || traits_.back().normals;

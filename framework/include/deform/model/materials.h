@@ -31,7 +31,7 @@ struct SheetMaterial {
   std::optional<SheetDirections> directions;
   std::string source;
 
-  [[nodiscard]] double mass_per_area() const { return density * caliper; }       ///< [kg/m²]
+  [[nodiscard]] double mass_per_area() const { return density * caliper; }  ///< [kg/m²]
   /// Of a sheet of the same make whose plate is of another thickness [m], in proportion [kg/m²].
   [[nodiscard]] double mass_per_area(double of_thickness) const {
     return mass_per_area() * (of_thickness / thickness);
