@@ -14,7 +14,7 @@ namespace deform {
 /// areas, nor is a patch that is smaller than a cell: it is meant to be a node.
 [[nodiscard]] std::vector<Problem> selection_remarks(const Scene& scene, const Surface& surface);
 
-/// Warns of them, of each once however many simulations a program makes of a scene and its
+/// Logs them as information, each once however many simulations a program makes of a scene and its
 /// variants.
 void log_selection_remarks(const Scene& scene, const Surface& surface);
 

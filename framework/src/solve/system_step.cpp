@@ -32,7 +32,7 @@ bool System::Impl::knows_strains() const {
 }
 
 void System::Impl::evaluate_tuples(const NodeVectors& r) {
-  if (averages_strains) update_mean_geometry(r);  // for the step's end
+  if (averages_strains) update_geometry(r);  // for the step's end
   for (std::size_t i = 0; i < tuples.size(); ++i) {
     TupleAssembler& t = tuples[i];
     if (averages_strains && t.has_potential())
@@ -46,7 +46,7 @@ void System::Impl::evaluate_tuples(const NodeVectors& r) {
 /// negative gradients.
 std::vector<double> System::Impl::mean_energies(const TupleAssembler& term, const NodeVectors& r) {
   if (!term.has_potential()) return term.energies(r);
-  update_mean_geometry(r);
+  update_geometry(r);  // for the step's end
   std::vector<double> energies = term.energies(step_to);
   for (double& e : energies) e *= 0.5;
   return energies;

@@ -188,6 +188,8 @@ class DEFORM_API System {
   /// count as a strain. Such damping is the gradient of `damping_potential`. `rate` 0 ends that.
   void measure_strains_from(double rate, const NodeVectors& r, double s = 0,
                             const NodeVectors& earlier = {});
+  /// Of the state, where strains are so measured [J].
+  [[nodiscard]] double damping_potential(const State& state);
   /// From now on, states are the middle of a step from r (N × 3) to 2 r_state − r, and energies
   /// that know strains (TermTraits::strains), or live on tuples of nodes, are those of the mean of
   /// the strains at both ends, their forces those that conserve energy and momenta over the step
@@ -196,8 +198,6 @@ class DEFORM_API System {
   /// but for the turn within a step. `end_average_of_strains` ends that.
   void average_strains_from(const NodeVectors& r);
   void end_average_of_strains();
-  /// Of the state, where strains are so measured [J].
-  [[nodiscard]] double damping_potential(const State& state);
   /// (N × 3) all that damps at a state: −`damping` times velocity, and damping of materials [N].
   [[nodiscard]] NodeVectors damping_force(const State& state);
   /// Of the last evaluate_with_tangent: −∂f/∂r of all terms with a potential and all force fields
