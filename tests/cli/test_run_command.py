@@ -13,6 +13,7 @@ from pathlib import Path
 
 PROGRAM = os.environ["DEFORM_PROGRAM"]
 SCENES = Path(os.environ["DEFORM_SCENES"])
+FIXTURES = os.environ["DEFORM_FIXTURE_PLUGINS"]
 TIMEOUT = 120  # seconds; a run here takes well below one
 
 
@@ -237,6 +238,25 @@ class Talk(RunCommand):
             said = self.run_scene(springs, "--quiet", "--force").stderr
             self.assertEqual("gains energy from nowhere" in said, gains, said)
             self.assertEqual("in step 20 " in said, gains, said)
+
+    def test_momentum_from_nowhere_is_told(self):
+        """A free sheet under its weight and a profile of forces; one method counts forces twice."""
+        for integrator in ("doubles_forces", "semi_implicit", "symplectic_euler", "runge_kutta",
+                           "backward_euler", "bdf2", "implicit_midpoint"):
+            with self.subTest(integrator=integrator):
+                scene = {"surface": {"plugin": "grid", "nodes": [3, 3], "size": [1, 1]},
+                         "energies": [{"plugin": "edge_springs", "stiffness": 10}],
+                         "forces": ["gravity", {"plugin": "wind", "velocity": [0, 3, 1]},
+                                    {"plugin": "point_load", "force": [1, 0, 0],
+                                     "where": {"corners": "all"},
+                                     "time": {"pulse": [0.175, 0.33]}}],
+                         "integrator": {"plugin": integrator, "step": 0.01}, "duration": 0.4}
+                said = self.run_scene(scene, "--quiet", "--force", "--plugin-path",
+                                      FIXTURES).stderr
+                self.assertEqual("momentum changes by" in said, integrator == "doubles_forces",
+                                 said)
+                if integrator == "doubles_forces":
+                    self.assertIn("over the 4 steps up to step 20", said)
 
     def test_an_error_below_rounding_is_refused(self):
         for integrator in ("backward_euler", "bdf2", "implicit_midpoint", "runge_kutta"):

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <optional>
 
 #include "deform/model/reduction.h"
+#include "deform/record/loads_at.h"
 
 namespace deform {
 namespace {
-
-/// Part of a step by which times of breaks may be wrong.
-constexpr double kRounding = 1e-9;
 
 double dot(const NodeVectors& a, const NodeVectors& b) { return a.cwiseProduct(b).sum(); }
 
@@ -50,19 +46,6 @@ void each_vector(Of& at, const Action& action) {
   action("damping", at.damping);
 }
 
-/// At a break makes the load that before it; returns that after it.
-std::optional<NodeVectors> load_after_break(const Frame& frame, double length, Instant& now) {
-  const double time = frame.state.time;
-  const double rounding =
-      kRounding * length + 16 * std::numeric_limits<double>::epsilon() * std::abs(time);
-  if (!(frame.system.next_break(time - rounding) <= time + rounding)) return {};
-  State beside = frame.state;
-  beside.time = time - 2 * rounding;
-  now.load = frame.system.external_force(beside);
-  beside.time = time + 2 * rounding;
-  return frame.system.external_force(beside);
-}
-
 }  // namespace
 
 double EnergyFigures::scale() const { return turnover + largest_kinetic + std::abs(change); }
@@ -74,7 +57,8 @@ struct EnergyAccount::Impl {
         any_prescribed = any_prescribed || reduction.reduction().prescribed(a, c);
   }
 
-  [[nodiscard]] Instant instant(const Frame& frame) const;
+  /// The state of a frame under these loads (N × 3) [N].
+  [[nodiscard]] Instant instant(const Frame& frame, NodeVectors load) const;
   void add_work(const Frame& frame, double length, const Instant& now);
   [[nodiscard]] double work_of_constraints(const Frame& frame, const Instant& now,
                                            const NodeVectors& way) const;
@@ -88,10 +72,10 @@ struct EnergyAccount::Impl {
   Instant last;
 };
 
-Instant EnergyAccount::Impl::instant(const Frame& frame) const {
+Instant EnergyAccount::Impl::instant(const Frame& frame, NodeVectors load) const {
   System& system = frame.system;
-  Instant m{frame.state.r, frame.state.v, system.external_force(frame.state),
-            NodeVectors::Zero(nodes, 3), system.damping_force(frame.state)};
+  Instant m{frame.state.r, frame.state.v, std::move(load), NodeVectors::Zero(nodes, 3),
+            system.damping_force(frame.state)};
   if (!any_prescribed) return m;  // only the reaction of constraints asks for it
   for (std::size_t i = 0; i < system.energies().size(); ++i)
     m.internal += system.internal_force(i, frame.state);
@@ -142,9 +126,7 @@ bool EnergyAccount::has_started() const { return impl_->started; }
 void EnergyAccount::start(const Frame& frame) {
   Impl& s = *impl_;
   s.started = true;
-  s.last = s.instant(frame);
-  const std::optional<NodeVectors> after = load_after_break(frame, frame.step_size, s.last);
-  if (after) s.last.load = *after;
+  s.last = s.instant(frame, loads_at(frame, frame.step_size).after);
   s.account = {};
   s.account.largest_kinetic = kinetic(frame.system, s.last.v);
   s.account.first = s.account.largest_kinetic + internal(frame);
@@ -153,11 +135,11 @@ void EnergyAccount::start(const Frame& frame) {
 void EnergyAccount::add_part(const Frame& frame, double length) {
   Impl& s = *impl_;
   if (!s.started) return start(frame);
-  Instant now = s.instant(frame);
-  const std::optional<NodeVectors> after = load_after_break(frame, length, now);
+  LoadsAt loads = loads_at(frame, length);
+  Instant now = s.instant(frame, std::move(loads.before));
   s.add_work(frame, length, now);
   s.last = std::move(now);
-  if (after) s.last.load = *after;
+  s.last.load = std::move(loads.after);
 }
 
 EnergyFigures EnergyAccount::figures(const Frame& frame) const {

@@ -9,8 +9,6 @@
 namespace deform {
 namespace {
 
-/// Steps before the first account, and from one to the next.
-constexpr long kFirst = 16, kInterval = 256;
 /// Part of what moved that a step may gain.
 constexpr double kMost = 0.05;
 
@@ -25,10 +23,7 @@ bool knows_energy(const System& system, const Integrator& integrator) {
 EnergyGuard::EnergyGuard(const System& system, const Integrator& integrator)
     : account_(system), is_known_(knows_energy(system, integrator)) {}
 
-bool EnergyGuard::watches(long steps) const {
-  return is_known_ && !warned_ && steps >= kFirst &&
-         (steps - kFirst) % kInterval < static_cast<long>(kInARow);
-}
+bool EnergyGuard::watches(long steps) const { return is_known_ && !warned_ && is_guarded(steps); }
 
 void EnergyGuard::begin(const Frame& frame) {
   counted_ = 0;
@@ -50,12 +45,13 @@ void EnergyGuard::end(const Frame& frame) {
   const double gain = figures.drift() - drift_;
   const double relative = figures.scale() > 0 ? gain / figures.scale() : 0;
   drift_ = figures.drift();
-  gains_[taken_++ % kInARow] = relative;
+  gains_[taken_++ % gains_.size()] = relative;
   if (gains()) warn(frame, gain, relative);
 }
 
 bool EnergyGuard::gains() const {
-  return taken_ >= kInARow && std::ranges::all_of(gains_, [](double gain) { return gain > kMost; });
+  return taken_ >= gains_.size() &&
+         std::ranges::all_of(gains_, [](double gain) { return gain > kMost; });
 }
 
 void EnergyGuard::warn(const Frame& frame, double gain, double relative) {

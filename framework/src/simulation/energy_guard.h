@@ -2,20 +2,20 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
-#include <optional>
+#include <cstddef>
 
 #include "deform/record/energy_account.h"
 #include "deform/solve/integrator.h"
 
+#include "simulation/guarded_steps.h"
+
 namespace deform {
 
-/// Takes the account of energy (EnergyAccount) of four steps in a row, from the 17th on and then
-/// every 256 steps, which costs next to nothing, and warns once where each of these has gained more
-/// than a twentieth of what moved: energy that neither loads nor supports put in. Methods that damp
-/// lose some, and explicit ones take turns; only an unstable method, or one that is wrong, goes on
-/// to gain. Of statics, where there is no motion, and of terms without a potential nothing is
-/// known.
+/// Takes the account of energy (EnergyAccount) of the guarded steps, and warns once where each of
+/// those in a row has gained more than a twentieth of what moved: energy that neither loads nor
+/// supports put in. Methods that damp lose some, and explicit ones take turns; only an unstable
+/// method, or one that is wrong, goes on to gain. Of statics, where there is no motion, and of
+/// terms without a potential nothing is known.
 class EnergyGuard {
  public:
   EnergyGuard(const System& system, const Integrator& integrator);
@@ -31,15 +31,13 @@ class EnergyGuard {
   [[nodiscard]] bool gains() const;
   void warn(const Frame& frame, double gain, double relative);
 
-  static constexpr std::size_t kInARow = 4;
-
   EnergyAccount account_;
   bool is_known_;  // whether the model's energy is
   bool warned_ = false;
-  double counted_ = 0;                   // of the step under way, up to breaks [s]
-  long last_ = -1;                       // step that the account has come to
-  double drift_ = 0;                     // until then [J]
-  std::array<double, kInARow> gains_{};  // of the account's steps, relative
+  double counted_ = 0;                          // of the step under way, up to breaks [s]
+  long last_ = -1;                              // step that the account has come to
+  double drift_ = 0;                            // until then [J]
+  std::array<double, kGuardedInARow> gains_{};  // of the account's steps, relative
   std::size_t taken_ = 0;
 };
 

@@ -20,7 +20,7 @@
 #include "record/trajectory_writer.h"
 #include "scene/json.h"
 #include "simulation/checkpoint.h"
-#include "simulation/energy_guard.h"
+#include "simulation/balance_guards.h"
 #include "simulation/files.h"
 #include "simulation/held_folder.h"
 #include "simulation/manifest.h"
@@ -126,7 +126,7 @@ class Recording {
   std::optional<TrajectoryWriter> trajectory_;
   std::optional<Profile> profile_;
   CheckpointSchedule schedule_;
-  EnergyGuard energy_guard_;
+  BalanceGuards guards_;
   StepWatch& watch_;
   /// What to go on from if the step under way is thrown away; of long steps alone.
   std::optional<Checkpoint> before_step_;
@@ -153,7 +153,7 @@ Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> r
       found_(std::move(found)),
       parts_(make_run_parts(scene, registry)),
       schedule_(scene),
-      energy_guard_(parts_.simulation->system(), parts_.simulation->integrator()),
+      guards_(parts_.simulation->system(), parts_.simulation->integrator()),
       watch_(watch),
       frame_interval_(scene.frame_interval()) {
   parts_.simulation->stop_when(&watch_.stop());
@@ -284,17 +284,17 @@ void Recording::step() {
   const std::function<void()> give_up = [this] { give_step_up(); };
   const StepWatch::Span watched(watch_, give_up);
   times_before_step_ = parts_.simulation->system().times();
-  const bool watches = energy_guard_.watches(parts_.simulation->steps());
+  const bool watches = guards_.watches(parts_.simulation->steps());
   if (parts_.probes->none() && !watches) return parts_.simulation->step();
-  if (watches) apart_from_model([this](const Frame& frame) { energy_guard_.begin(frame); });
+  if (watches) apart_from_model([this](const Frame& frame) { guards_.begin(frame); });
   parts_.simulation->step([&](const Frame& at_break) {
     apart_from_model(at_break, [&] {
-      if (watches) energy_guard_.at_break(at_break);
+      if (watches) guards_.at_break(at_break);
       parts_.probes->follow_break(at_break);
     });
   });
   apart_from_model([&](const Frame& frame) {
-    if (watches) energy_guard_.end(frame);
+    if (watches) guards_.end(frame);
     parts_.probes->follow(frame);
   });
 }
