@@ -154,7 +154,34 @@ TEST(ContactMechanics, ANodeIsPushedAlongWhatIsFreeOfIt) {
   }
 }
 
-/// In a symmetry's plane, and where a clamp ties the second row to the first and the third.
+/// On rails along z, a body's slope stops it where it comes to it, whatever the friction: there is
+/// no direction that it could slide in.
+TEST(ContactMechanics, FrictionDoesNotPushANodeAlongTheNormal) {
+  const Replacement pin{"/constraints/-",
+                        R"({"plugin": "pin", "where": {"box": [[0, 0], [1, 1]]},
+                            "components": ["x", "y"]})"};
+  const Replacement gravity{"/forces/-", R"({"plugin": "gravity"})"};
+  for (const Method& m : methods())
+    for (const double steep : {0.1, 0.3, 0.7071})
+      for (const double friction : {0.3, 0.8}) {
+        const Replacement slope{
+            "/colliders/-",
+            fmt::format(R"({{"plugin": "plane", "point": [0, 0, -0.1], "normal": [{}, 0, {}],
+                             "friction": {}}})",
+                        -std::sqrt(1 - steep * steep), steep, friction)};
+        Ended s(m, 0.01, 0.3,
+                {{"/surface/size", "[1e-4, 1e-4]"},
+                 {"/limits", R"({"distance": 1e6})"},
+                 pin,
+                 gravity,
+                 slope});
+        EXPECT_NEAR(s.state().r.col(2).maxCoeff(), -0.1, 2e-3) << name_of(m) << ' ' << steep;
+        EXPECT_NEAR(s.state().r.col(2).minCoeff(), -0.1, 2e-3) << name_of(m) << ' ' << steep;
+        EXPECT_LE(largest_speed(s), 1e-8) << name_of(m) << ' ' << steep << ' ' << friction;
+      }
+}
+
+/// In a symmetry's plane.
 TEST(ContactMechanics, TiedNodesHaveContact) {
   const Replacement gravity{"/forces/-", R"({"plugin": "gravity"})"};
   const Replacement symmetry{
@@ -218,6 +245,73 @@ TEST(ContactMechanics, WhatPassesBesideABodyGoesOn) {
   }
 }
 
+/// A chord of a sphere, whose ends are outside and less than 60° apart: it is met at the first end,
+/// and what is left of the step goes along the tangent there.
+TEST(ContactMechanics, WhatCutsThroughASphereMeetsIt) {
+  const double begin = -0.6, end = 0.6;
+  for (const Method& m : methods())
+    for (const double height : {0.87, 0.9, 0.95}) {
+      Ended s(m, 0.05, 0.05,
+              {velocity((end - begin) / 0.05, 0),
+               {"/surface/size", "[1e-4, 1e-4]"},
+               {"/limits", R"({"distance": 1e6})"},
+               {"/surface/initial",
+                fmt::format(R"({{"plugin": "formula", "x": "a1 - 0.6", "y": "a2", "z": "{}"}})",
+                            height)},
+               {"/colliders/-",
+                R"({"plugin": "sphere", "centre": [0, 0, 0], "radius": 1, "friction": 0})"}});
+      const Vec3 n(-std::sqrt(1 - height * height), 0, height), to(end, 0, height);
+      const Vec3 right = to - (n.dot(to) - 1) * n;
+      EXPECT_NEAR((Vec3(s.state().r.row(4).transpose()) - right).norm(), 0, 1e-3)
+          << name_of(m) << ' ' << height;
+    }
+}
+
+/// A force that draws nodes around a body within a step: Newton's method begins with a guess behind
+/// the body, but the step's own way passes beside it.
+TEST(ContactMechanics, WaysToGuessesDoNotCount) {
+  const auto solved = [](const std::string& colliders) {
+    Simulation s = sheet({"backward_euler", "[]"}, 0.1, 0.1,
+                         {{"/surface/size", "[0.02, 0.02]"},
+                          {"/surface/initial",
+                           R"({"plugin": "formula", "x": "a1 - 0.31", "y": "a2 - 0.01",
+                               "z": "0"})"},
+                          {"/material/density", "0.2"},
+                          {"/velocity", "[6, 0, 0]"},
+                          {"/forces/-",
+                           R"({"plugin": "spring", "anchor": [0.3, 1, 0], "stiffness": 0.008,
+                               "where": {"box": [[0, 0], [0.02, 0.02]]}})"},
+                          {"/colliders", colliders}});
+    EXPECT_FALSE(test::run_to_end(s));
+    return s.state().r;
+  };
+  const NodeVectors without = solved("[]");
+  const NodeVectors with =
+      solved(R"([{"plugin": "sphere", "centre": [0, 0, 0], "radius": 0.1, "friction": 0}])");
+  EXPECT_NEAR(without(4, 1), 0.5, 0.1);  // beside the body
+  EXPECT_LE((with - without).cwiseAbs().maxCoeff(), 1e-8);
+}
+
+/// What is compressed has a tangent that is negative in places; contact's penalties are not.
+TEST(ContactMechanics, ACompressedSheetDoesNotPassAPlane) {
+  for (const char* integrator : {"backward_euler", "bdf2", "implicit_midpoint"}) {
+    Simulation s =
+        sheet({integrator, R"([{"plugin": "edge_springs", "stiffness": 50}])"}, 0.05, 0.2,
+              {{"/surface/initial",
+                R"({"plugin": "formula", "x": "0.5*a1", "y": "0.5*a2", "z": "1e-4"})"},
+               {"/material/density", "0.01"},
+               {"/forces/-", R"({"plugin": "gravity"})"},
+               {"/constraints/-",
+                R"({"plugin": "pin", "where": {"boundary": "all"},
+                               "components": ["x", "y"]})"},
+               plane(0, 0)});
+    while (s.steps() < s.scene().steps()) {
+      s.step();
+      EXPECT_GE(s.state().r.col(2).minCoeff(), -1e-4) << integrator << ' ' << s.steps();
+    }
+  }
+}
+
 /// A sheet of rubber thrown onto a plane, where it stretches: contact takes energy, friction too.
 TEST(ContactMechanics, ContactGivesNoEnergy) {
   for (const char* integrator : {"implicit_midpoint", "bdf2", "runge_kutta"}) {
@@ -235,13 +329,13 @@ TEST(ContactMechanics, ContactGivesNoEnergy) {
              0.5 * s.system().mass().dot(state.v.rowwise().squaredNorm());
     };
     const double begun = energy();
-    double last = begun;
+    double lowest = begun;
     while (s.steps() < s.scene().steps()) {
       s.step();
-      EXPECT_LE(energy(), last + 1e-3 * begun) << integrator << ' ' << s.steps();
-      last = energy();
+      lowest = std::min(lowest, energy());
+      EXPECT_LE(energy(), lowest + 1e-3 * begun) << integrator << ' ' << s.steps();
     }
-    EXPECT_LT(last, 0.95 * begun) << integrator;  // there was an impact
+    EXPECT_LT(lowest, 0.95 * begun) << integrator;  // there was an impact
   }
 }
 

@@ -59,7 +59,7 @@ struct EnergyAccount::Impl {
 
   /// The state of a frame under these loads (N × 3) [N].
   [[nodiscard]] Instant instant(const Frame& frame, NodeVectors load) const;
-  void add_work(const Frame& frame, double length, const Instant& now);
+  void add_work(const Frame& frame, const Instant& now);
   [[nodiscard]] double work_of_constraints(const Frame& frame, const Instant& now,
                                            const NodeVectors& way) const;
   [[nodiscard]] NodeVectors prescribed_part(NodeVectors change) const;
@@ -82,10 +82,10 @@ Instant EnergyAccount::Impl::instant(const Frame& frame, NodeVectors load) const
   return m;
 }
 
-void EnergyAccount::Impl::add_work(const Frame& frame, double length, const Instant& now) {
+void EnergyAccount::Impl::add_work(const Frame& frame, const Instant& now) {
   const NodeVectors way = now.r - last.r;
   const double loads = 0.5 * dot(last.load + now.load, way);
-  const double damping = -0.5 * (dot(last.damping, last.v) + dot(now.damping, now.v)) * length;
+  const double damping = -0.5 * dot(last.damping + now.damping, way);
   const double constraints = any_prescribed ? work_of_constraints(frame, now, way) : 0;
   account.loads += loads;
   account.damping += damping;
@@ -137,7 +137,7 @@ void EnergyAccount::add_part(const Frame& frame, double length) {
   if (!s.started) return start(frame);
   LoadsAt loads = loads_at(frame, length);
   Instant now = s.instant(frame, std::move(loads.before));
-  s.add_work(frame, length, now);
+  s.add_work(frame, now);
   s.last = std::move(now);
   s.last.load = std::move(loads.after);
 }

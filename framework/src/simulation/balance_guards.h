@@ -26,6 +26,9 @@ class BalanceGuards {
     each(frame.step - 1, [&](auto& guard) { guard.end(frame); });
   }
 
+  /// The run ends with this state.
+  void finish(const Frame& frame) { energy_.finish(frame); }
+
  private:
   template <class Action>
   void each(long steps, const Action& action) {

@@ -1,6 +1,7 @@
 #include "simulation/energy_guard.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,12 @@ namespace {
 
 /// Part of what moved that a step may gain.
 constexpr double kMost = 0.05;
+/// So many times what there was may be there later.
+constexpr double kManyTimes = 3;
+/// Motion by less than this part of the surface's size a step is rounding.
+constexpr double kStill = 1e-8;
+/// Part of an energy that is its rounding, or what Newton's method leaves.
+constexpr double kRounding = 1e-9;
 
 bool knows_energy(const System& system, const Integrator& integrator) {
   return !integrator.is_static() && std::ranges::all_of(system.energies(), [](const auto& e) {
@@ -18,16 +25,49 @@ bool knows_energy(const System& system, const Integrator& integrator) {
   });
 }
 
+double kinetic_and_internal(const Frame& frame) {
+  double sum = 0.5 * frame.system.mass().dot(frame.state.v.rowwise().squaredNorm());
+  for (std::size_t i = 0; i < frame.system.energies().size(); ++i)
+    sum += frame.system.energy(i, frame.state);
+  return sum;
+}
+
+/// Kinetic energy where all of the surface moves by kStill of its size in a step [J].
+double energy_of_rounding(const Frame& frame) {
+  const NodeVectors& rest = frame.system.rest();
+  const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+  const double speed = kStill * size / frame.step_size;
+  return 0.5 * frame.system.mass().sum() * speed * speed;
+}
+
+/// Whether loads and supports are at two times the same, as far as this state shows.
+bool is_unchanged(const Frame& frame, double earlier) {
+  System& system = frame.system;
+  if (system.next_break(earlier) <= frame.state.time) return false;
+  NodeVectors now = frame.state.r, then = frame.state.r;
+  system.prescribe(frame.state.time, now);
+  system.prescribe(earlier, then);
+  if (now != then) return false;
+  State at_earlier = frame.state;
+  at_earlier.time = earlier;
+  const double potential = system.external_potential(frame.state);
+  return std::abs(system.external_potential(at_earlier) - potential) <=
+         kRounding * std::abs(potential);
+}
+
 }  // namespace
 
 EnergyGuard::EnergyGuard(const System& system, const Integrator& integrator)
-    : account_(system), is_known_(knows_energy(system, integrator)) {}
+    : account_(system), is_known_(knows_energy(system, integrator)) {
+  is_conservative_ = is_known_ && system.without_potential().empty();
+}
 
 bool EnergyGuard::watches(long steps) const { return is_known_ && !warned_ && is_guarded(steps); }
 
 void EnergyGuard::begin(const Frame& frame) {
   counted_ = 0;
   if (frame.step == last_) return;
+  compare_with_first(frame);
   account_.start(frame);
   drift_ = 0;
   taken_ = 0;
@@ -43,10 +83,15 @@ void EnergyGuard::end(const Frame& frame) {
   last_ = frame.step;
   const EnergyFigures figures = account_.figures(frame);
   const double gain = figures.drift() - drift_;
-  const double relative = figures.scale() > 0 ? gain / figures.scale() : 0;
   drift_ = figures.drift();
+  const double least = energy_of_rounding(frame) + kRounding * kinetic_and_internal(frame);
+  const double relative = figures.scale() > 0 && gain > least ? gain / figures.scale() : 0;
   gains_[taken_++ % gains_.size()] = relative;
-  if (gains()) warn(frame, gain, relative);
+  if (gains())
+    warn(
+        fmt::format("{:.3g} J in step {} ({:.2g} of what moved), which neither loads nor supports "
+                    "put in, and likewise in the steps before",
+                    gain, frame.step, relative));
 }
 
 bool EnergyGuard::gains() const {
@@ -54,14 +99,32 @@ bool EnergyGuard::gains() const {
          std::ranges::all_of(gains_, [](double gain) { return gain > kMost; });
 }
 
-void EnergyGuard::warn(const Frame& frame, double gain, double relative) {
+/// With loads that keep their potential, kinetic and internal energy grow by what that falls, at
+/// most.
+void EnergyGuard::compare_with_first(const Frame& frame) {
+  if (warned_ || !is_conservative_) return;
+  const double energy = kinetic_and_internal(frame);
+  const double potential = frame.system.external_potential(frame.state);
+  if (!first_) {
+    first_ = {energy, potential, frame.state.time};
+    return;
+  }
+  is_conservative_ = is_unchanged(frame, first_->time);
+  const double known = first_->energy + std::max(0.0, first_->potential - potential);
+  const double rounding = energy_of_rounding(frame) + kRounding * std::abs(potential);
+  if (is_conservative_ && energy > kManyTimes * known + rounding)
+    warn(
+        fmt::format("{:.3g} J are in motion and strain at step {}, where there were {:.3g} J at "
+                    "first and what the loads did since",
+                    energy, frame.step, known));
+}
+
+void EnergyGuard::warn(const std::string& what) {
   warned_ = true;
-  log::warn(fmt::format(
-      "the run gains energy from nowhere: {:.3g} J in step {} ({:.2g} of what moved), which "
-      "neither loads nor supports put in, and likewise in the steps before. The method is unstable "
-      "with this step, or a term's force is not the gradient of its energy: try a shorter "
-      "/integrator/step, 'backward_euler' or 'bdf2'; the probe energy_balance shows the account",
-      gain, frame.step, relative));
+  log::warn("the run gains energy from nowhere: " + what +
+            ". The method is unstable with this step, or a term's force is not the gradient of its "
+            "energy: try a shorter /integrator/step, 'backward_euler' or 'bdf2'; the probe "
+            "energy_balance shows the account");
 }
 
 }  // namespace deform

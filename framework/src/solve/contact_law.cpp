@@ -11,6 +11,8 @@ namespace {
 constexpr int kMostTurns = 30;
 /// A change of this part of the motion ends them.
 constexpr double kSettled = 1e-12;
+/// Part of the largest eigenvalue of R Rᵀ below which one is 0.
+constexpr double kNoMotion = 1e-12;
 
 /// One contact's turn; returns the change of its impulse.
 Vec3 settle_one(const Mobility& mobility, Index node, Grip& grip, Vec3& motion) {
@@ -18,7 +20,7 @@ Vec3 settle_one(const Mobility& mobility, Index node, Grip& grip, Vec3& motion) 
   const double more = std::max(-grip.push, (grip.least - motion.dot(n)) / mobility.along(node, n));
   grip.push += more;
   motion += mobility.response(node, more * n);
-  const Vec3 slip = motion - motion.dot(n) * n;
+  const Vec3 slip = mobility.sliding(node, n, motion);
   Vec3 rub = grip.rub - slip / mobility.bound(node);
   const double limit = grip.friction * grip.push, length = rub.norm();
   if (length > limit) rub *= limit / length;
@@ -44,13 +46,25 @@ Mobility::Mobility(const ReductionMap& map) : map_(&map) {
           for (const Tie::Part& y : p.rows[static_cast<std::size_t>(j)])
             if (x.of == y.of) p.matrix(i, j) += x.coefficient * y.coefficient;
       }
-    p.bound = std::max(
-        1.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(p.matrix).eigenvalues().maxCoeff());
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> modes(p.matrix);
+    p.bound = std::max(1.0, modes.eigenvalues().maxCoeff());
+    p.range.setZero();
+    for (Index i = 0; i < 3; ++i)
+      if (modes.eigenvalues()[i] > kNoMotion * p.bound)
+        p.range += modes.eigenvectors().col(i) * modes.eigenvectors().col(i).transpose();
     const bool is_held = p.matrix.isZero(0);
     kind_[static_cast<std::size_t>(a)] =
         is_held ? kHeld : static_cast<std::int32_t>(partly_.size());
     if (!is_held) partly_.push_back(std::move(p));
   }
+}
+
+Vec3 Mobility::sliding(Index node, const Vec3& n, const Vec3& motion) const {
+  if (kind(node) == kFree) return motion - motion.dot(n) * n;
+  if (kind(node) == kHeld) return Vec3::Zero();
+  const Vec3 m = of(node).range * n, own = of(node).range * motion;
+  const double square = m.squaredNorm();
+  return square > 0 ? Vec3(own - own.dot(m) / square * m) : own;
 }
 
 void Mobility::add(Index node, const Vec3& impulse, NodeVectors& field) const {

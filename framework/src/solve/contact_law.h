@@ -27,6 +27,10 @@ class Mobility {
   }
   /// Whether a body with that normal can push a node anywhere.
   [[nodiscard]] bool is_movable(Index node, const Vec3& n) const { return along(node, n) > kLeast; }
+  /// The part of a motion (or of a force) along which a node can slide on a body with that normal:
+  /// in the range Q of R, and across n, (Q − m mᵀ/m²) motion with m = Q n. All that is across n for
+  /// a node that nothing holds.
+  [[nodiscard]] Vec3 sliding(Index node, const Vec3& n, const Vec3& motion) const;
   /// R Rᵀ J.
   [[nodiscard]] Vec3 response(Index node, const Vec3& impulse) const {
     return kind(node) == kFree ? impulse : Vec3(of(node).matrix * impulse);
@@ -47,6 +51,7 @@ class Mobility {
   struct Partly {
     std::array<ReductionMap::Row, 3> rows;
     Eigen::Matrix3d matrix;  // R Rᵀ
+    Eigen::Matrix3d range;   // Q: projects on the range of R
     double bound = 1;
   };
   [[nodiscard]] std::int32_t kind(Index node) const {
@@ -73,8 +78,9 @@ struct Grip {
 
 /// Changes impulses until the motion along each normal is at least what it must be, none pulls, and
 /// what slides is resisted by friction × push, but not driven back: for one contact at once, for
-/// several by turns (projected Gauss–Seidel: Jourdan, Alart & Jean 1998). Returns the change of the
-/// sum of impulses; `motion` becomes what they make of it.
+/// several by turns (projected Gauss–Seidel: Jourdan, Alart & Jean 1998). Friction acts only where
+/// the node can slide by itself; along what constraints prescribe it would push it along the
+/// normal. Returns the change of the sum of impulses; `motion` becomes what they make of it.
 [[nodiscard]] Vec3 settle_motion(const Mobility& mobility, Index node, std::span<Grip> grips,
                                  Vec3& motion);
 

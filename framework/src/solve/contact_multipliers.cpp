@@ -32,6 +32,18 @@ bool is_number_below(double x, std::size_t end) {
 /// Collider by collider, nodes ascending.
 std::pair<std::size_t, Index> place(const NodeContact& c) { return {c.body, c.node}; }
 
+/// Projects on the directions across n in which nothing prescribes where a node goes: Q − m mᵀ/m²
+/// with m = Q n, Q of the components that are not prescribed.
+Eigen::Matrix3d sliding(const Reduction& reduction, Index node, const Vec3& n) {
+  Vec3 q;
+  for (int c = 0; c < 3; ++c) q[c] = reduction.prescribed(node, c) ? 0 : 1;
+  const Vec3 m = q.cwiseProduct(n);
+  const double square = m.squaredNorm();
+  Eigen::Matrix3d projection = q.asDiagonal();
+  if (square > 0) projection -= m * m.transpose() / square;
+  return projection;
+}
+
 }  // namespace
 
 void ContactMultipliers::begin(const System& system, const NodeValues& stiffness) {
@@ -46,47 +58,57 @@ void ContactMultipliers::begin(const System& system, const NodeValues& stiffness
                     "colliders times {} nodes",
                     lambda_.size(), system.colliders(), nodes_));
   std::erase_if(rubs_, [&](const Rub& r) { return lambda_[place_of(r.body, r.node)] == 0; });
+  for (Rub& rub : rubs_) rub.sliding = sliding(system.reduction(), rub.node, rub.normal);
 }
 
-/// Contacts of nodes that have crossed a collider become those with planes where they came in.
-void ContactMultipliers::follow_planes(const NodeVectors& end, std::vector<NodeContact>& near) {
-  const auto of_plane = [](const Plane& p) { return place(p.contact); };
+NodeVectors ContactMultipliers::end_of(const Stage& stage, const NodeVectors& r) {
+  return stage.start + stage.reach * (r - stage.start);
+}
+
+bool ContactMultipliers::add_planes(const System& system, const Stage& stage,
+                                    const NodeVectors& end) {
+  std::vector<NodeContact> near;
+  system.find_contacts(stage.end, stage.start, end, 0, near);
   const auto known = static_cast<std::ptrdiff_t>(planes_.size());
-  const auto has_plane = [&](const NodeContact& c, std::ptrdiff_t among) {
-    return std::ranges::binary_search(planes_.begin(), planes_.begin() + among, place(c), {},
-                                      of_plane);
-  };
-  const auto height = [&](const NodeContact& c) {
-    return c.normal.dot(Vec3(end.row(c.node).transpose()));
-  };
-  for (const NodeContact& c : near)
-    if (c.crossed && !has_plane(c, known)) planes_.push_back({c, height(c) - c.gap});
+  for (const NodeContact& c : near) {
+    const auto begin = planes_.begin();
+    if (!c.crossed || std::ranges::binary_search(begin, begin + known, place(c), {}, &Plane::place))
+      continue;
+    planes_.push_back({c, c.normal.dot(Vec3(end.row(c.node).transpose())) - c.gap});
+  }
+  std::ranges::sort(planes_, {}, &Plane::place);
+  return std::ssize(planes_) > known;
+}
+
+void ContactMultipliers::use_planes(const NodeVectors& end, std::vector<NodeContact>& near) const {
   if (planes_.empty()) return;
-  std::ranges::sort(planes_, {}, of_plane);
-  std::erase_if(near, [&](const NodeContact& c) { return has_plane(c, std::ssize(planes_)); });
+  std::erase_if(near, [&](const NodeContact& c) {
+    return std::ranges::binary_search(planes_, place(c), {}, &Plane::place);
+  });
   for (const Plane& plane : planes_) {
-    near.push_back(plane.contact);
-    near.back().gap = height(plane.contact) - plane.offset;
+    const NodeContact& c = plane.contact;
+    near.push_back(c);
+    near.back().gap = c.normal.dot(Vec3(end.row(c.node).transpose())) - plane.offset;
   }
   std::ranges::sort(near, {}, place);
 }
 
 void ContactMultipliers::find(const System& system, const Stage& stage, const NodeVectors& r) {
   reach_ = stage.reach;
-  const NodeVectors end = stage.start + stage.reach * (r - stage.start);
+  const NodeVectors end = end_of(stage, r);
   double within = 0;
   for (std::size_t i = 0; i < lambda_.size(); ++i)
     within = std::max(within, lambda_[i] / penalty_[static_cast<Index>(i) % nodes_]);
   std::vector<NodeContact> near;
-  system.find_contacts(stage.end, stage.start, end, within, near);
-  follow_planes(end, near);
+  system.find_contacts(stage.end, end, end, within, near);
+  use_planes(end, near);
   pushes_.clear();
   for (const NodeContact& c : near)
     if (const double force = lambda(c) - penalty(c) * c.gap; force > 0)
       pushes_.push_back({c, force});
   for (Rub& rub : rubs_) {
     const Vec3 moved = (end.row(rub.node) - stage.start.row(rub.node)).transpose();
-    rub.trial = rub.kept - penalty_[rub.node] * (moved - moved.dot(rub.normal) * rub.normal);
+    rub.trial = rub.kept - penalty_[rub.node] * (rub.sliding * moved);
     rub.force = rub.sticks() ? rub.trial : Vec3(rub.limit / rub.trial.norm() * rub.trial);
   }
 }
@@ -138,7 +160,7 @@ void ContactMultipliers::add_tangent(System& system) const {
     system.stiffen(push.contact.node, penalty(push.contact) * reach_ * n * n.transpose());
   }
   for (const Rub& rub : rubs_) {
-    Eigen::Matrix3d k = Eigen::Matrix3d::Identity() - rub.normal * rub.normal.transpose();
+    Eigen::Matrix3d k = rub.sliding;
     if (!rub.sticks()) {
       const Vec3 along = rub.trial.normalized();
       k = rub.limit / rub.trial.norm() * (k - along * along.transpose());
@@ -160,7 +182,7 @@ double ContactMultipliers::potential() const {
   return sum;
 }
 
-void ContactMultipliers::update() {
+bool ContactMultipliers::update(const System& system, const Stage& stage, const NodeVectors& r) {
   std::vector<Rub> rubs;
   std::ranges::fill(lambda_, 0.0);
   for (const Push& push : pushes_) {
@@ -168,11 +190,18 @@ void ContactMultipliers::update() {
     lambda(c) = push.force;
     if (c.friction == 0) continue;
     const Rub* before = rub_of(c);
-    Rub rub{.node = c.node, .body = c.body, .normal = c.normal, .limit = c.friction * push.force};
-    if (before != nullptr) rub.kept = before->force - before->force.dot(c.normal) * c.normal;
+    Rub rub{.node = c.node,
+            .body = c.body,
+            .normal = c.normal,
+            .sliding = sliding(system.reduction(), c.node, c.normal),
+            .limit = c.friction * push.force};
+    if (before != nullptr) rub.kept = rub.sliding * before->force;
     rubs.push_back(rub);
   }
   rubs_ = std::move(rubs);
+  const bool has_new_planes = add_planes(system, stage, end_of(stage, r));
+  find(system, stage, r);
+  return has_new_planes;
 }
 
 /// For each multiplier collider, node, λ, λ_T, normal and disk.

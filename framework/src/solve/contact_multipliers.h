@@ -1,6 +1,7 @@
 /// Contact with colliders inside an implicit step: normal forces and friction as multipliers.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "deform/solve/implicit_stage.h"
@@ -11,13 +12,14 @@ namespace deform {
 /// 1992): with penalties κ, at each node and collider,
 ///   normal force N = max(0, λ − κ gap),
 ///   friction T = what is within the disk of radius μ λ, nearest to λ_T − κ u_T,
-/// u_T being how far the node slid since the step began, across the normal. Both are gradients of
+/// u_T being how far the node slid since the step began, across the normal and as far as nothing
+/// prescribes where it goes. Both are gradients of
 /// potentials while λ, λ_T and the disk are kept; then these are updated to N, T and μ N until
 /// nothing changes: then the laws hold exactly, whatever κ.
 class ContactMultipliers {
  public:
-  /// Begins a stage; makes penalties from its stiffness at each node (N) [N/m]. Throws InputError
-  /// where multipliers were loaded that are another system's.
+  /// Begins a stage; makes penalties from its stiffness at each node (N) [N/m], which is positive.
+  /// Throws InputError where multipliers were loaded that are another system's.
   void begin(const System& system, const NodeValues& stiffness);
   /// Finds what touches at positions r of a stage.
   void find(const System& system, const Stage& stage, const NodeVectors& r);
@@ -26,8 +28,11 @@ class ContactMultipliers {
   void add_force(NodeVectors& f) const;
   void add_tangent(System& system) const;
   [[nodiscard]] double potential() const;
-  /// Makes the forces of the last `find` the multipliers.
-  void update();
+  /// Makes the forces of the last `find`, which was at positions r, the multipliers. What came to r
+  /// through a body gets the tangent plane where it came in as the body's surface, for as long as
+  /// the stage lasts: then only, as the straight ways to the iterates of Newton's method mean
+  /// nothing. Finds what touches then; returns whether there are new planes.
+  bool update(const System& system, const Stage& stage, const NodeVectors& r);
   /// A stage was solved: multipliers that stopped what came to a collider are forgotten, as the
   /// next stage has nothing to stop; those of lasting contact it starts from.
   void forget_impacts(const System& system, const Stage& stage);
@@ -53,11 +58,12 @@ class ContactMultipliers {
   struct Rub {
     Index node = 0;
     std::size_t body = 0;
-    Vec3 normal = Vec3::UnitZ();  // then
-    double limit = 0;             // μ λ
-    Vec3 kept = Vec3::Zero();     // λ_T
-    Vec3 trial = Vec3::Zero();    // λ_T − κ u_T
-    Vec3 force = Vec3::Zero();    // T
+    Vec3 normal = Vec3::UnitZ();                        // then
+    Eigen::Matrix3d sliding = Eigen::Matrix3d::Zero();  // projects on the directions of u_T
+    double limit = 0;                                   // μ λ
+    Vec3 kept = Vec3::Zero();                           // λ_T
+    Vec3 trial = Vec3::Zero();                          // λ_T − κ u_T
+    Vec3 force = Vec3::Zero();                          // T
     [[nodiscard]] bool sticks() const { return trial.norm() <= limit; }
   };
   /// The friction kept for a contact; null where there is none.
@@ -69,7 +75,11 @@ class ContactMultipliers {
   /// κ of a contact: of the stiffness that the node has along the normal, as it is free to move.
   [[nodiscard]] double penalty(const NodeContact& c) const { return penalty_[c.node] / c.mobility; }
   void load_friction(const std::vector<double>& all, std::size_t nodes);
-  void follow_planes(const NodeVectors& end, std::vector<NodeContact>& near);
+  /// Positions at the stage's end.
+  [[nodiscard]] static NodeVectors end_of(const Stage& stage, const NodeVectors& r);
+  bool add_planes(const System& system, const Stage& stage, const NodeVectors& end);
+  /// Contacts of nodes that have planes become those with them.
+  void use_planes(const NodeVectors& end, std::vector<NodeContact>& near) const;
 
   Index nodes_ = 0;
   NodeValues penalty_;          // κ of each node [N/m]
@@ -77,11 +87,13 @@ class ContactMultipliers {
   std::vector<double> lambda_;  // of each collider's nodes [N]
   std::vector<Push> pushes_;    // collider by collider, nodes ascending
   std::vector<Rub> rubs_;       // likewise
-  /// Tangent plane where a node has come into a collider that it would cross: what it has contact
-  /// with as long as the stage lasts, so that its gap is one function of place.
+  /// Tangent plane where a node has come into a collider that it would cross.
   struct Plane {
     NodeContact contact;
     double offset = 0;  // [m] normal · position at gap 0
+    [[nodiscard]] std::pair<std::size_t, Index> place() const {
+      return {contact.body, contact.node};
+    }
   };
   std::vector<Plane> planes_;  // likewise
 };

@@ -27,6 +27,8 @@ constexpr double kOnPlane = 1e-9;
 /// Cosine of the angle between normals of the same side of a body: less than that, and a node has
 /// come in on another side than the nearest.
 constexpr double kSameSide = 0.5;
+/// What ends farther outside of a body than this part of its way does not slide along it.
+constexpr double kSlides = 1e-3;
 
 /// Reflection at z = 0.
 NodeVectors reflected(NodeVectors v) {
@@ -97,8 +99,12 @@ std::vector<EntryPlane> Contacts::crossings(const Body& body, double time, const
   std::vector<EntryPlane> entries =
       first_entries(seen, from(nodes, Eigen::all), to(nodes, Eigen::all));
   for (EntryPlane& entry : entries) entry.path = nodes[static_cast<std::size_t>(entry.path)];
+  // What ends inside of the side where it came in, or on it, is put at the nearest point there: it
+  // may have slid along a round body.
   std::erase_if(entries, [&](const EntryPlane& entry) {
-    return entry.normal.dot(Vec3(normal.row(entry.path).transpose())) >= kSameSide;
+    const Index a = entry.path;
+    const double gap = distance[a] - body.thickness, way = (to.row(a) - from.row(a)).norm();
+    return gap <= kSlides * way && entry.normal.dot(Vec3(normal.row(a).transpose())) >= kSameSide;
   });
   return entries;
 }

@@ -18,7 +18,7 @@ namespace deform {
 /// positions of velocities: contact is inelastic.
 ///
 /// A node whose way through the step leads into a body on another side than the one where it is
-/// nearest to the surface in the end, or right through, is stopped where it came in.
+/// nearest to the surface in the end, or right through a part of it, is stopped where it came in.
 ///
 /// Nodes move as far as constraints leave them free; those that are held along a body's normal
 /// pass: they are where the scene wants them.

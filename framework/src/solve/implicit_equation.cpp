@@ -85,7 +85,8 @@ void ImplicitEquation::evaluate_tangent(State& state, Tangent kind, const NodeVe
   system_->evaluate_with_tangent(state, kind, before, 1 / stage_->tau,
                                  with_contacts_ ? TangentUse::any : TangentUse::directions);
   if (!with_contacts_) return;
-  if (!contacts_begun_) contacts_.begin(*system_, diagonal_ + system_->mean_stiffness());
+  if (!contacts_begun_)
+    contacts_.begin(*system_, diagonal_ + system_->mean_stiffness().cwiseMax(0));
   contacts_begun_ = true;
   contacts_.find(*system_, *stage_, state.r);
   contacts_.add_tangent(*system_);
@@ -138,9 +139,11 @@ double ImplicitEquation::evaluated_residual(State& state) {
   return residual(state);
 }
 
-double ImplicitEquation::update_contacts(const State& state) {
-  contacts_.update();
-  contacts_.find(*system_, *stage_, state.r);
+double ImplicitEquation::update_contacts(State& state, Tangent& kind) {
+  if (contacts_.update(*system_, *stage_, state.r)) {
+    kind = Tangent::exact;
+    evaluate_tangent(state, kind, nullptr);
+  }
   return residual(state);
 }
 

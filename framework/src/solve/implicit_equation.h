@@ -41,8 +41,9 @@ class ImplicitEquation {
   [[nodiscard]] double evaluated_residual(State& state);
   /// Of forces at work in the last residual [N].
   [[nodiscard]] double scale() const { return scale_; }
-  /// Makes contact forces those of the last evaluation. Returns the residual with them.
-  [[nodiscard]] double update_contacts(const State& state);
+  /// Makes contact forces those of the last evaluation; where a node turns out to have come through
+  /// a body, evaluates the exact tangent anew, and `kind` says so. Returns the residual with them.
+  [[nodiscard]] double update_contacts(State& state, Tangent& kind);
 
   /// Newton's direction from the state of the last evaluation, by its tangent; where that is not
   /// positive definite by the projected one, or that and more. Φ falls along it. `tolerance`: part

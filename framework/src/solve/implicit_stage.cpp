@@ -39,6 +39,9 @@ constexpr double kRoundingOfEnergy = 1e-13;
 /// A Newton step below this part of the size and the rounding of positions moves nothing: what is
 /// left over is the rounding of forces, of which some are far larger than all that is at work.
 constexpr double kRoundingOfPositions = 1e-13;
+/// Where no step moves anything, contact forces agree if making them the multipliers leaves no more
+/// than so many times the residual.
+constexpr double kSameResidual = 2;
 /// Forces that cancel to this part of what they are made of count as balanced where no step helps.
 constexpr double kRoundingOfForces = 1e-6;
 /// Forces that no symmetric tangent knows (drag that turns, followers at a border): after so many
@@ -134,6 +137,7 @@ struct ImplicitStage::Impl {
   [[nodiscard]] double evaluate(System& system, State& state);
   [[nodiscard]] double evaluate_residual(System& system, State& state);
   void report(System& system, double norm) const;
+  [[nodiscard]] bool contacts_agree(State& state, double norm);
   [[nodiscard]] bool is_converged(State& state, double norm);
   [[nodiscard]] std::string find_direction(State& state, std::int64_t iteration, double relative);
   [[nodiscard]] bool step(System& system, State& state);
@@ -284,17 +288,21 @@ double ImplicitStage::Impl::evaluate(System& system, State& state) {
   return norm;
 }
 
-/// Whether what is left over is small enough, contact forces being what they must; where they are
-/// not yet, makes them so, and the search begins again with their Φ.
+/// Whether contact forces are what they must be where those kept so far leave a residual of `norm`;
+/// where they are not yet, makes them so, and the search begins again with their Φ.
+bool ImplicitStage::Impl::contacts_agree(State& state, double norm) {
+  if (!equation.has_contacts()) return true;
+  const double updated = equation.update_contacts(state, kind);
+  begun = equation.merit(state);
+  remember(state, begun);
+  longest = kInfinity;
+  return updated <= std::max(settings.tolerance * equation.scale(), kSameResidual * norm);
+}
+
+/// Whether what is left over is small enough, contact forces being what they must.
 bool ImplicitStage::Impl::is_converged(State& state, double norm) {
   if (!(norm <= settings.tolerance * equation.scale())) return false;
-  if (equation.has_contacts()) {
-    // New contact forces, another Φ.
-    norm = equation.update_contacts(state);
-    begun = equation.merit(state);
-    remember(state, begun);
-    return norm <= settings.tolerance * equation.scale();
-  }
+  if (equation.has_contacts()) return contacts_agree(state, 0);
   if (!equation.has_potential() || !leaps) return true;
   return equation.merit(state) <= begun + kRoundingOfEnergy * std::abs(begun);
 }
@@ -430,7 +438,8 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
       go_back(state);
     }
     const double norm = evaluate(system, state);
-    if (is_converged(state, norm) || longest <= still(state)) return "";
+    if (is_converged(state, norm)) return "";
+    if (longest <= still(state) && contacts_agree(state, norm)) return "";
     const double relative = system.step_report().residual;
     const bool goes_round = equation.averages_strains() && !equation.has_contacts() &&
                             i >= kMostRoundabout && relative > kClose;
@@ -446,7 +455,10 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
       continue;
     }
     longest = direction.rowwise().norm().maxCoeff();
-    if (longest <= still(state)) return "";
+    if (longest <= still(state)) {
+      if (contacts_agree(state, norm)) return "";
+      continue;
+    }
     angle = equation.has_potential() ? system.aim(state.r, direction) : 0;
     const double correction = system.root_mean_square(direction);
     const double theta = correction / std::exchange(last, correction);

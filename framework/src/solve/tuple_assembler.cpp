@@ -2,12 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "deform/parallel.h"
 
 #include "plugin/guard.h"
 
 namespace deform {
+namespace {
+
+/// What of the work of a tuple's forces may be rounding, relative to its energies: over a short
+/// step the force that it would take to do it is far larger than the work.
+constexpr double kRoundingOfWork = 64 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
 
 TupleAssembler::TupleAssembler(std::size_t number, std::string origin,
                                std::shared_ptr<const TupleTerm> term, const TermTraits& traits,
@@ -112,11 +120,15 @@ void TupleAssembler::add_missing_work(const NodeVectors& from, const NodeVectors
                (from.row(i_a) - from.row(i_b)).squaredNorm();
       };
       double missing = energies_to[t] - energies_from[t], squares = 0;
+      double sizes = std::abs(energies_to[t]) + std::abs(energies_from[t]);
       for (int a = 0; a < width_; ++a) {
-        missing += force[a].dot(Vec3(to.row(node(t, a)) - from.row(node(t, a))));
+        const double work = force[a].dot(Vec3(to.row(node(t, a)) - from.row(node(t, a))));
+        missing += work;
+        sizes += std::abs(work);
         for (int b = 0; b < a; ++b) squares += growth(a, b) * growth(a, b);
       }
-      const double lambda = squares > 0 ? 2 * missing / squares : 0;
+      const bool is_rounding = std::abs(missing) <= kRoundingOfWork * sizes;
+      const double lambda = squares > 0 && !is_rounding ? 2 * missing / squares : 0;
       for (int a = 0; a < width_ && std::isfinite(lambda); ++a)
         for (int b = 0; b < a; ++b) {
           const Vec3 along = lambda * growth(a, b) * (middle(a) - middle(b));

@@ -13,7 +13,7 @@ namespace deform {
 struct EnergyFigures {
   double change = 0;  ///< of kinetic and internal energy (terms with a potential)
   double loads = 0, constraints = 0;
-  double damping = 0;   ///< taken: not negative but for rounding
+  double damping = 0;   ///< taken
   double turnover = 0;  ///< sum of the sizes of the work of loads and constraints and of damping
   double largest_kinetic = 0;
 
@@ -23,8 +23,8 @@ struct EnergyFigures {
   [[nodiscard]] double scale() const;
 };
 
-/// Forces count by the mean of both ends of a step, times the way in between: exact where they
-/// change linearly along it. Where loads or supports are not smooth in time within a step, its
+/// Forces, damping among them, count by the mean of both ends of a step, times the way in between:
+/// exact where they change linearly along it. Where loads or supports are not smooth in time within a step, its
 /// parts count one by one, and a load that jumps at the end of one counts before the jump for that
 /// one and after it for the next. What prescribed components are pushed by is what is missing in
 /// the equation of motion there, m a = f + damping + reaction. Its inertia counts by the mean
