@@ -58,6 +58,27 @@ TEST(RestArea, WeightIsThatOfTheRestSurface) {
       EXPECT_NEAR(weight(c.surface + differences, c.rest) / (2 * c.area), 1, 1e-3) << c.name;
 }
 
+/// Creases along lines of nodes, and heights that have nothing to do with each other: the area is
+/// that of the facets, which polynomials across them would miss by percents.
+TEST(RestArea, CreasedSurfacesHaveTheAreaOfTheirFacets) {
+  for (const char* nodes : {"[5, 5]", "[9, 9]", "[17, 17]"}) {
+    const std::string square = R"("size": [1, 1], "nodes": )" + std::string(nodes);
+    const double gable = weight(square, R"s({"plugin": "formula", "z": "abs(a1-0.5)"})s");
+    EXPECT_NEAR(gable / (2 * std::sqrt(2)), 1, 1e-12) << nodes;
+    const double bent = weight(square, R"s({"plugin": "formula", "z": "4*max(0, a1-0.5)"})s");
+    EXPECT_NEAR(bent / (1 + std::sqrt(17)), 1, 1e-12) << nodes;
+  }
+  // Heights of ±0.02 m in turn, as far apart as nodes are.
+  const double rough =
+      weight(R"("size": [1, 1], "nodes": [26, 26])",
+             R"s({"plugin": "formula", "z": "0.02*cos(25*pi*a1)*cos(25*pi*a2)"})s");
+  double facets = 0;  // bilinear, by the rule of Gauss
+  for (const double p : {0.5 - std::sqrt(0.75) / 3, 0.5 + std::sqrt(0.75) / 3})
+    for (const double q : {0.5 - std::sqrt(0.75) / 3, 0.5 + std::sqrt(0.75) / 3})
+      facets += 0.25 * Vec3(1, 0, (1 - 2 * q)).cross(Vec3(0, 1, (1 - 2 * p))).norm();
+  EXPECT_NEAR(rough / (2 * facets), 1, 1e-9);
+}
+
 /// Where a1 and a2 are lengths nothing is multiplied, wherever the sheet lies.
 TEST(RestArea, FlatSheetsHaveExactlyTheirParametersArea) {
   for (const char* rest :

@@ -444,7 +444,9 @@ std::string ImplicitStage::Impl::iterate(System& system, State& state) {
     const bool goes_round = equation.averages_strains() && !equation.has_contacts() &&
                             i >= kMostRoundabout && relative > kClose;
     if (i == settings.iterations || goes_round || (!leaps && !std::isfinite(norm)))
-      return fmt::format("{} iterations leave a residual of {:.3g}", i, relative);
+      return relative <= settings.tolerance
+                 ? fmt::format("contact forces do not settle in {} iterations", i)
+                 : fmt::format("{} iterations leave a residual of {:.3g}", i, relative);
     ++system.step_report().iterations;
     std::string reason = find_direction(state, i, relative);
     if (!reason.empty()) {

@@ -16,6 +16,22 @@ constexpr Index kNodes = 6;
 constexpr std::size_t kPoints = 2;
 const std::array<double, kPoints> kGauss{0.5 - 0.5 / std::sqrt(3.0), 0.5 + 0.5 / std::sqrt(3.0)};
 
+/// Interpolations by 2, 4, 6 nodes of a line. Where the surface is smooth and resolved, each next
+/// one changes a cell's area by far less than the one before. Where it does not (creases, measured
+/// shapes), its facets are what is known of it.
+constexpr std::array<Index, 3> kOrders{2, 4, kNodes};
+constexpr double kSlow = 0.25;
+/// A change by less than this part is none.
+constexpr double kNoChange = 1e-6;
+
+/// The place in kOrders of the best of a measure's values by these interpolations.
+std::size_t best(const std::array<double, 3>& by_order) {
+  const double last = std::abs(by_order[2] - by_order[1]);
+  const bool is_smooth =
+      last <= kNoChange * by_order[2] || last <= kSlow * std::abs(by_order[1] - by_order[0]);
+  return is_smooth ? 2 : 0;
+}
+
 /// Means that differ from 1 by less than so many roundings of positions, relative to the distance
 /// of nodes, are 1.
 constexpr double kRoundings = 64;
@@ -44,13 +60,13 @@ void set_lagrange(Index size, double x, std::array<double, kNodes>& value,
   }
 }
 
-/// That of each cell of a line: by as many nodes on either side of it, at open ends by those that
-/// are nearest.
-std::vector<Interpolation> interpolations(Index n, bool periodic) {
+/// That of each cell of a line: by so many nodes, as many on either side of it, at open ends by
+/// those that are nearest.
+std::vector<Interpolation> interpolations(Index n, bool periodic, Index nodes) {
   std::vector<Interpolation> result;
   const Index cells = periodic ? n : n - 1;
   for (Index cell = 0; cell < cells; ++cell) {
-    Interpolation at{.size = std::min(n, kNodes)};
+    Interpolation at{.size = std::min(n, nodes)};
     at.first = cell - (at.size / 2 - 1);
     if (!periodic) at.first = std::clamp<Index>(at.first, 0, n - at.size);
     for (std::size_t q = 0; q < kPoints; ++q)
@@ -95,21 +111,37 @@ class Means {
 /// The share of a point of a cell that its node at `side` 0 or 1 has.
 double share(std::size_t side, std::size_t q) { return side == 0 ? 1 - kGauss[q] : kGauss[q]; }
 
+/// |r_1 × r_2| at the points (p, q) of a cell.
+using ElementsOfCell = std::array<std::array<double, kPoints>, kPoints>;
+
+double total(const ElementsOfCell& e) { return e[0][0] + e[0][1] + e[1][0] + e[1][1]; }
+
 /// r_1 and r_2 at the points of cells.
 class AreaElements {
  public:
-  AreaElements(const Lattice& lattice, const NodeVectors& r)
-      : lattice_(lattice),
-        r_(r),
-        along_1_(interpolations(lattice.n[0], lattice.periodic[0])),
-        along_2_(interpolations(lattice.n[1], lattice.periodic[1])) {}
+  AreaElements(const Lattice& lattice, const NodeVectors& r) : lattice_(lattice), r_(r) {
+    for (std::size_t k = 0; k < kOrders.size(); ++k) {
+      along_1_[k] = interpolations(lattice.n[0], lattice.periodic[0], kOrders[k]);
+      along_2_[k] = interpolations(lattice.n[1], lattice.periodic[1], kOrders[k]);
+    }
+  }
 
-  /// |r_1 × r_2| at the points (p, q) of cell (i, j).
-  [[nodiscard]] std::array<std::array<double, kPoints>, kPoints> of_cell(Index i, Index j) const {
-    const Interpolation& at_1 = along_1_[static_cast<std::size_t>(i)];
-    const Interpolation& at_2 = along_2_[static_cast<std::size_t>(j)];
+  /// Of cell (i, j).
+  [[nodiscard]] ElementsOfCell of_cell(Index i, Index j) const {
+    std::array<ElementsOfCell, kOrders.size()> by_order;
+    std::array<double, kOrders.size()> areas{};
+    for (std::size_t k = 0; k < kOrders.size(); ++k) {
+      by_order[k] = of_cell(along_1_[k][static_cast<std::size_t>(i)],
+                            along_2_[k][static_cast<std::size_t>(j)]);
+      areas[k] = total(by_order[k]);
+    }
+    return by_order[best(areas)];
+  }
+
+ private:
+  [[nodiscard]] ElementsOfCell of_cell(const Interpolation& at_1, const Interpolation& at_2) const {
     const std::array<Index, 2>& n = lattice_.n;
-    std::array<std::array<double, kPoints>, kPoints> result{};
+    ElementsOfCell result{};
     for (std::size_t p = 0; p < kPoints; ++p) {
       std::array<Vec3, kNodes> value, derivative;  // along a1, on the lines of at_2
       for (Index l = 0; l < at_2.size; ++l) {
@@ -132,10 +164,9 @@ class AreaElements {
     return result;
   }
 
- private:
   const Lattice& lattice_;
   const NodeVectors& r_;
-  std::vector<Interpolation> along_1_, along_2_;
+  std::array<std::vector<Interpolation>, kOrders.size()> along_1_, along_2_;
 };
 
 }  // namespace
@@ -165,17 +196,26 @@ NodeValues rest_areas(const Lattice& lattice, const NodeValues& areas, const Nod
 std::vector<double> rest_lengths(const std::vector<Index>& side, double h, bool periodic,
                                  const std::vector<double>& lengths, const NodeVectors& r) {
   const auto n = static_cast<Index>(side.size());
-  const std::vector<Interpolation> cells = interpolations(n, periodic);
+  std::array<std::vector<Interpolation>, kOrders.size()> cells;
+  for (std::size_t k = 0; k < kOrders.size(); ++k)
+    cells[k] = interpolations(n, periodic, kOrders[k]);
   Means means(n);
-  for (Index cell = 0; cell < static_cast<Index>(cells.size()); ++cell) {
-    const Interpolation& at = cells[static_cast<std::size_t>(cell)];
-    const auto position = [&](Index k) {
-      return Vec3(r.row(side[static_cast<std::size_t>((at.first + k + n) % n)]));
-    };
+  for (Index cell = 0; cell < static_cast<Index>(cells[0].size()); ++cell) {
+    std::array<std::array<double, kPoints>, kOrders.size()> speeds{};
+    std::array<double, kOrders.size()> lengths_by_order{};
+    for (std::size_t k = 0; k < kOrders.size(); ++k) {
+      const Interpolation& at = cells[k][static_cast<std::size_t>(cell)];
+      const auto position = [&](Index l) {
+        return Vec3(r.row(side[static_cast<std::size_t>((at.first + l + n) % n)]));
+      };
+      for (std::size_t p = 0; p < kPoints; ++p)
+        speeds[k][p] = sum(at, at.derivative[p], position).norm() / h;
+      lengths_by_order[k] = speeds[k][0] + speeds[k][1];
+    }
+    const std::array<double, kPoints>& speed = speeds[best(lengths_by_order)];
     for (std::size_t p = 0; p < kPoints; ++p) {
-      const double speed = sum(at, at.derivative[p], position).norm() / h;
-      means.add(cell, share(0, p), speed);
-      means.add((cell + 1) % n, share(1, p), speed);
+      means.add(cell, share(0, p), speed[p]);
+      means.add((cell + 1) % n, share(1, p), speed[p]);
     }
   }
   std::vector<double> result = lengths;
