@@ -34,7 +34,7 @@ BEYOND_SCHEMA = {
                  r"found \S*1e\+300\S*, expected .*whole number"),
     "plugin": ("what a plugin's constructor alone knows",
                r"is empty|must be 1 or -1|too extreme|normal is 0|rounding is more"
-               r"|inside of this collider|no number holds|no area around node|weighs"
+               r"|inside of this collider|without contact|no number holds|no area around node|weighs"
                r"|number of waves"),
 }
 
@@ -136,6 +136,9 @@ bad("collider_without_direction",
 bad("collider_around_the_sheet",
     {"/colliders": [{"plugin": "sphere", "centre": [0.5, 0.5, 0], "radius": 9}]},
     "at /colliders/0", "inside of this collider", beyond="plugin")
+bad("collider_of_an_equilibrium",
+    {"/colliders": [{"plugin": "plane", "point": [0, 0, -1]}], "/integrator/plugin": "static"},
+    "at /colliders", 'integrator "static" looks for equilibria without contact', beyond="plugin")
 bad("collider_rounder_than_it_is",
     {"/colliders": [{"plugin": "box", "centre": [0, 0, -9], "rounding": 2}]},
     "at /colliders/0", "rounding is more", beyond="plugin")
