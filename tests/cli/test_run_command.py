@@ -258,6 +258,18 @@ class Talk(RunCommand):
                 if integrator == "doubles_forces":
                     self.assertIn("over the 4 steps up to step 20", said)
 
+    def test_nodes_that_keep_a_thickness_touch(self):
+        """A square that lies on a plane at the distance that nodes keep, and one just above it."""
+        for height, touching in ((0.01, 25), (0.0101, 0)):
+            self.run_scene({"surface": {"plugin": "grid", "nodes": [5, 5], "size": [1, 1]},
+                            "energies": [{"plugin": "edge_springs", "stiffness": 10}],
+                            "colliders": [{"plugin": "plane", "point": [0, 0, -height],
+                                           "thickness": 0.01}],
+                            "integrator": {"plugin": "backward_euler", "step": 0.01},
+                            "duration": 0.02, "probes": ["contact"]}, "--force", "--quiet")
+            names, *rows = self.rows()
+            self.assertEqual(float(rows[-1][names.index("contact.nodes")]), touching)
+
     def test_an_error_below_rounding_is_refused(self):
         for integrator in ("backward_euler", "bdf2", "implicit_midpoint", "runge_kutta"):
             with self.subTest(integrator=integrator):
