@@ -112,7 +112,6 @@ class Static final : public Integrator {
   void begin(System& system, const State& state, double step) {
     has_potential_ = system.without_potential().empty() && system.without_tangent().empty();
     if (!has_potential_ && !parameters_.linear) say_once_what_has_no_potential(system);
-    held_ = system.hold_rigid_motions(state.r);
     zero_ = NodeValues::Zero(system.nodes());
     end_ = state.time + step;
     start_ = state.r;
@@ -122,6 +121,7 @@ class Static final : public Integrator {
     loaded.time = end_;
     system.evaluate(loaded);
     first_force_ = system.force();
+    held_ = system.hold_rigid_motions(state.r);  // by the forces of the time just evaluated
     start_residual_ = 0;
     size_ = (start_.colwise().maxCoeff() - start_.colwise().minCoeff()).maxCoeff();
     still_ = kRoundingOfPositions * size_ +
@@ -268,12 +268,17 @@ class Static final : public Integrator {
     system.reduce_force(left);
     for (const Freedom& f : held_)
       if (std::abs(left(f.node, f.component)) > limit)
-        throw Error(ExitCode::diverged,
-                    "nothing holds the surface, and its loads do not balance: " +
-                        std::to_string(held_.size()) +
-                        " motions as a rigid body are free, and a force of " +
-                        scientific(left(f.node, f.component)) + " N is left over in one of them");
+        throw Error(ExitCode::diverged, what_is_free() + "; a force of " +
+                                            scientific(left(f.node, f.component)) +
+                                            " N is left over");
     return {true, ""};
+  }
+
+  [[nodiscard]] std::string what_is_free() const {
+    const std::string count = std::to_string(held_.size());
+    if (held_.size() >= 6) return "nothing holds the surface, and its loads do not balance";
+    return "the surface is free to move as a rigid body in " + count +
+           (held_.size() == 1 ? " way" : " ways") + ", and its loads do not balance";
   }
 
   /// Goes along the direction as far as it helps; returns how far the farthest node moved [m].

@@ -258,6 +258,41 @@ class Talk(RunCommand):
                 if integrator == "doubles_forces":
                     self.assertIn("over the 4 steps up to step 20", said)
 
+    def equilibrium(self, forces, constraints=(), **expect):
+        """Of a stiff square of 0.1 m that weighs 0.981 N; its corners' height is probed."""
+        return self.run_scene({
+            "surface": {"plugin": "grid", "nodes": [5, 5], "size": [0.1, 0.1]},
+            "material": {"density": 10},
+            "energies": [{"plugin": "koiter", "young": 1e6, "poisson": 0.3, "thickness": 0.005}],
+            "forces": ["gravity", *forces], "constraints": list(constraints),
+            "integrator": {"plugin": "static", "step": 1}, "duration": 2,
+            "probes": ["centre_of_mass",
+                       {"plugin": "point", "where": {"corners": "all"}, "label": "corner"}],
+        }, "--force", "--quiet", **expect)
+
+    def height(self, name):
+        names, *rows = self.rows()
+        return float(rows[-1][next(i for i, n in enumerate(names) if n.startswith(name))])
+
+    def test_springs_hold_an_equilibrium(self):
+        everywhere = {"plugin": "spring", "stiffness": 50, "anchor": [0.05, 0.05, 0],
+                      "where": {"box": [[0, 0], [0.1, 0.1]]}}
+        self.equilibrium([everywhere])  # which leaves turns about the anchor free
+        self.assertAlmostEqual(self.height("centre_of_mass.z"), -0.981 / 50, delta=1e-10)
+        corners = {"left_bottom": [0, 0, 0.1], "left_top": [0, 0.1, 0.1],
+                   "right_bottom": [0.1, 0, 0.1], "right_top": [0.1, 0.1, 0.1]}
+        springs = [{"plugin": "spring", "stiffness": 20, "anchor": anchor,
+                    "where": {"corners": corner}} for corner, anchor in corners.items()]
+        self.equilibrium(springs)
+        self.assertAlmostEqual(self.height("corner.z"), 0.1 - 0.981 / 80, delta=1e-9)
+
+    def test_loads_that_nothing_balances(self):
+        said = self.equilibrium([], expect=3).stderr
+        self.assertIn("nothing holds the surface, and its loads do not balance", said)
+        said = self.equilibrium([], [{"plugin": "pin", "where": {"boundary": "left"}}],
+                                expect=3).stderr
+        self.assertIn("free to move as a rigid body in 1 way, and its loads", said)
+
     def test_nodes_that_keep_a_thickness_touch(self):
         """A square that lies on a plane at the distance that nodes keep, and one just above it."""
         for height, touching in ((0.01, 25), (0.0101, 0)):
