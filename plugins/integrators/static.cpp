@@ -342,17 +342,31 @@ class Static final : public Integrator {
     }
   }
 
-  /// Whether the equilibrium is one that the surface stays at.
+  /// Whether the equilibrium is one that the surface stays at. Where all has a potential, negative
+  /// eigenvalues of the tangent say that it is not. Where loads follow the surface, the tangent is
+  /// the symmetric part of the forces' derivative: if that is positive definite, the forces resist
+  /// every displacement; if it is not, there are displacements along which they do work. The
+  /// surface then mostly leaves, though the unsymmetric part might hold it; and flutter is known in
+  /// neither case. Where something has no tangent, nothing is known.
   void report_stability(System& system, const State& state) {
-    if (!has_potential_) return;
+    if (!system.without_tangent().empty()) return;
     system.evaluate_with_tangent(state, Tangent::exact);
-    if (system.factor_tangent(zero_).empty()) return;
+    if (has_potential_ && system.factor_tangent(zero_).empty()) return;
     const std::optional<System::Stability> found = stability_of(system);
     if (!found || found->negative == 0) return;
-    log::warn("static: the equilibrium at " + std::to_string(end_) +
-              " s is not stable: a limit or bifurcation point was passed (" +
-              std::to_string(found->negative) + " negative eigenvalues of the tangent, lowest " +
-              scientific(found->lowest) + " /s²)");
+    const std::string eigenvalues =
+        std::to_string(found->negative) +
+        (found->negative == 1 ? " negative eigenvalue" : " negative eigenvalues");
+    const std::string where = "static: the equilibrium at " + std::to_string(end_) + " s ";
+    const std::string lowest = ", lowest " + scientific(found->lowest) + " /s²)";
+    if (has_potential_)
+      log::warn(where + "is not stable: a limit or bifurcation point was passed (" + eigenvalues +
+                " of the tangent" + lowest);
+    else
+      log::warn(
+          where +
+          "is most likely not stable: there are displacements along which the forces do work (" +
+          eigenvalues + " of the tangent's symmetric part" + lowest);
   }
 
   [[noreturn]] void give_up(System& system, const State& state, double done,

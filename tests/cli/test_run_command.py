@@ -286,6 +286,20 @@ class Talk(RunCommand):
         self.equilibrium(springs)
         self.assertAlmostEqual(self.height("corner.z"), 0.1 - 0.981 / 80, delta=1e-9)
 
+    def test_an_unstable_equilibrium_under_pressure_is_told(self):
+        """A tube with open ends stays round under a pressure at which it should fold."""
+        for pressure, unstable in ((-5, True), (-0.01, False), (5, False)):
+            said = self.run_scene({
+                "surface": {"plugin": "grid", "nodes": [16, 5], "size": [0.6283185307179586, 0.3],
+                            "periodic": [True, False],
+                            "rest": {"plugin": "arc", "radius": 0.1, "base": "axis"}},
+                "energies": [{"plugin": "koiter", "young": 1e6, "poisson": 0.3,
+                              "thickness": 0.001}],
+                "forces": [{"plugin": "pressure", "pressure": pressure}],
+                "integrator": {"plugin": "static", "step": 1}, "duration": 1,
+            }, "--force", "--quiet").stderr
+            self.assertEqual("not stable" in said, unstable, said)
+
     def test_loads_that_nothing_balances(self):
         said = self.equilibrium([], expect=3).stderr
         self.assertIn("nothing holds the surface, and its loads do not balance", said)
