@@ -344,6 +344,61 @@ class Talk(RunCommand):
             self.assertIn("deform", result.stdout)
 
 
+class Remarks(RunCommand):
+    """What is no error, though hardly meant: `validate` and `run` say it, once."""
+
+    def square(self, constraints, **changes):
+        scene = {"surface": {"plugin": "grid", "nodes": [5, 5], "size": [1, 1]},
+                 "energies": [{"plugin": "edge_springs", "stiffness": 10}],
+                 "constraints": constraints, "duration": 0.02,
+                 "integrator": {"plugin": "backward_euler", "step": 0.01}}
+        return scene | changes
+
+    def remarks(self, scene):
+        validated = self.deform("validate", self.write(scene))
+        self.assertEqual(validated.returncode, 0, validated.stderr)
+        self.assertEqual(self.run_scene(scene, "--force", "--quiet").stderr, validated.stderr)
+        self.assertEqual("warning" in validated.stderr, bool(validated.stderr))
+        return validated.stderr.splitlines()
+
+    def move(self, displacements, times=(0, 1), side="left", **more):
+        return {"plugin": "move", "where": {"boundary": side}, "times": list(times),
+                "displacements": displacements} | more
+
+    PIN = {"plugin": "pin", "where": {"boundary": "left"}}
+    CLAMP = {"plugin": "clamp", "where": {"boundary": "left"}}
+
+    def test_of_constraints_that_contradict_each_other(self):
+        away = self.move([[0, 0, 0], [0, 0, 0.1]])
+        back = self.move([[0, 0, 0], [0, 0, 0.1], [0, 0, 0]], times=[0, 0.003, 0.006])
+        for constraints in ([away, self.PIN], [back, self.PIN], [self.PIN, away, self.CLAMP],
+                            [away, self.move([[0, 0, 0], [0, 0, -0.1]])]):
+            with self.subTest(constraints=constraints):
+                said = self.remarks(self.square(constraints))
+                self.assertEqual(len(said), 1, said)
+                self.assertRegex(said[0], r"sheet\.json:1:\d+: at /constraints/\d: .* over from move "
+                                 r"\(at /constraints/\d\), which moves them elsewhere: z of node 0")
+        for constraints in ([self.PIN, away], [self.CLAMP, away], [away, away],
+                            [away, self.PIN | {"components": ["x", "y"]}],
+                            [self.move([[0, 0, 0], [0, 0, 1]], side="right"), self.CLAMP]):
+            with self.subTest(constraints=constraints):
+                self.assertEqual(self.remarks(self.square(constraints)), [])
+
+    def test_of_a_start_that_tears(self):
+        said = self.remarks(self.square([self.move([[0, 0, 0.125], [0, 0, 0.5]])]))
+        self.assertEqual(len(said), 1, said)
+        self.assertRegex(said[0], r"at /constraints/0: node 0 is at z = 0\.125 m when the run begins")
+        self.assertEqual(self.remarks(self.square([self.move([[0, 0, 0], [0, 0, 0.1]])])), [])
+
+    def test_of_newton_error_with_colliders(self):
+        for error, colliders, lines in ((1e-4, ["plane"], 1), (1e-4, [], 0), (0, ["plane"], 0)):
+            said = self.remarks(self.square([], colliders=colliders, integrator={
+                "plugin": "bdf2", "step": 0.01, "newton_error": error}))
+            self.assertEqual(len(said), lines, said)
+            if lines:
+                self.assertIn("at /integrator/newton_error: 0.0001 is of no effect", said[0])
+
+
 class BadInput(RunCommand):
     def refuse(self, *arguments):
         result = self.deform(*arguments)
