@@ -211,7 +211,7 @@ class Static final : public Integrator {
       const double relative = report(system, norm, i);
       const bool is_still = moved <= still_;
       if (relative <= parameters_.tolerance || (is_still && relative <= kRoundingOfForces))
-        return accept(system);
+        return accept(system, lambda);
       if (i == most || !std::isfinite(norm))
         return {false,
                 std::to_string(i) + " iterations leave a residual of " + scientific(relative)};
@@ -220,7 +220,7 @@ class Static final : public Integrator {
       std::string reason = newton_direction(system, state);
       const double longest = reason.empty() ? direction_.rowwise().norm().maxCoeff() : 0;
       // What is left over is the forces' rounding: the residual is relative to next to nothing.
-      if (reason.empty() && longest <= still_) return accept(system, kOfTheSameKind * norm);
+      if (reason.empty() && longest <= still_) return accept(system, lambda, kOfTheSameKind * norm);
       if (steps == Steps::newton) {
         if (reason.empty() && !(longest <= 2 * size_)) reason = "it leads out of all bounds";
         if (!reason.empty()) return {false, "no Newton step (" + reason + ")"};
@@ -234,7 +234,7 @@ class Static final : public Integrator {
       moved = search(system, state, lambda, norm);
       if (moved > 0) continue;
       system.evaluate(state);  // the search has left the forces of another state
-      if (relative <= kRoundingOfForces) return accept(system);
+      if (relative <= kRoundingOfForces) return accept(system, lambda);
       return {false, "no step along the direction found comes closer to equilibrium"};
     }
   }
@@ -260,11 +260,11 @@ class Static final : public Integrator {
     return report.residual;
   }
 
-  /// A surface that nothing holds has an equilibrium only if its loads balance, to the rounding of
-  /// the forces at work, or to what is known to be rounding [N].
-  [[nodiscard]] Outcome accept(const System& system, double rounding = 0) const {
+  /// A surface that nothing holds has an equilibrium only if the part λ of its loads that is on
+  /// balances, to the rounding of the forces at work, or to what is known to be rounding [N].
+  [[nodiscard]] Outcome accept(const System& system, double lambda, double rounding = 0) const {
     const double limit = std::max(kRoundingOfForces * scale_, rounding);
-    NodeVectors left = system.force();
+    NodeVectors left = system.force() - (1 - lambda) * first_force_;
     system.reduce_force(left);
     for (const Freedom& f : held_)
       if (std::abs(left(f.node, f.component)) > limit)
