@@ -200,6 +200,7 @@ class Static final : public Integrator {
                                   ? std::min<std::int64_t>(kMostLongSteps, parameters_.iterations)
                                   : parameters_.iterations;
     state.time = end_;
+    if (has_released_) held_ = system.hold_rigid_motions(state.r), has_released_ = false;
     place_prescribed(system, state, lambda);
     system.step_report().residuals.clear();
     NodeVectors before;
@@ -210,8 +211,11 @@ class Static final : public Integrator {
       if (i == 0) start_residual_ = norm;
       const double relative = report(system, norm, i);
       const bool is_still = moved <= still_;
-      if (relative <= parameters_.tolerance || (is_still && relative <= kRoundingOfForces))
-        return accept(system, lambda);
+      if (relative <= parameters_.tolerance || (is_still && relative <= kRoundingOfForces)) {
+        if (!release(system, state, lambda)) return accept(system, lambda);
+        before.resize(0, 3), moved = kInfinity;
+        continue;
+      }
       if (i == most || !std::isfinite(norm))
         return {false,
                 std::to_string(i) + " iterations leave a residual of " + scientific(relative)};
@@ -260,17 +264,33 @@ class Static final : public Integrator {
     return report.residual;
   }
 
-  /// A surface that nothing holds has an equilibrium only if the part λ of its loads that is on
-  /// balances, to the rounding of the forces at work, or to what is known to be rounding [N].
-  [[nodiscard]] Outcome accept(const System& system, double lambda, double rounding = 0) const {
+  /// The force that the part λ of the loads leaves over in a held component [N], beyond the
+  /// rounding of the forces at work, or what is known to be rounding; nothing where all balance.
+  [[nodiscard]] std::optional<double> left_over(const System& system, double lambda,
+                                                double rounding = 0) const {
     const double limit = std::max(kRoundingOfForces * scale_, rounding);
     NodeVectors left = system.force() - (1 - lambda) * first_force_;
     system.reduce_force(left);
     for (const Freedom& f : held_)
-      if (std::abs(left(f.node, f.component)) > limit)
-        throw Error(ExitCode::diverged, what_is_free() + "; a force of " +
-                                            scientific(left(f.node, f.component)) +
-                                            " N is left over");
+      if (std::abs(left(f.node, f.component)) > limit) return left(f.node, f.component);
+    return std::nullopt;
+  }
+
+  /// What forces did not resist where they were at rest they may resist where loads have stretched
+  /// them: springs along their length resist being turned. Returns whether less is held now.
+  [[nodiscard]] bool release(System& system, const State& state, double lambda) {
+    if (!left_over(system, lambda)) return false;
+    const std::size_t before = held_.size();
+    held_ = system.hold_rigid_motions(state.r);
+    has_released_ = true;
+    return held_.size() < before;
+  }
+
+  /// A surface that nothing holds has an equilibrium only if its loads balance.
+  [[nodiscard]] Outcome accept(const System& system, double lambda, double rounding = 0) const {
+    if (const std::optional<double> force = left_over(system, lambda, rounding))
+      throw Error(ExitCode::diverged,
+                  what_is_free() + "; a force of " + scientific(*force) + " N is left over");
     return {true, ""};
   }
 
@@ -390,6 +410,7 @@ class Static final : public Integrator {
 
   Parameters parameters_;
   bool has_potential_ = true, said_ = false;
+  bool has_released_ = false;  // the last search for an equilibrium ended with other held_
   double end_ = 0, size_ = 0, scale_ = 0, start_residual_ = 0;
   double still_ = 0;  // Newton steps that are not longer move nothing [m]
   std::vector<Freedom> held_;

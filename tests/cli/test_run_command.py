@@ -300,6 +300,24 @@ class Talk(RunCommand):
             }, "--force", "--quiet").stderr
             self.assertEqual("not stable" in said, unstable, said)
 
+    def test_springs_hold_what_they_resist_once_stretched(self):
+        """At their rest length they do not resist being turned: the loads make them do so."""
+        springs = [{"plugin": "spring", "stiffness": 50, "anchor": [x, y, 0.1], "rest_length": 0.1,
+                    "where": {"corners": f"{'right' if x else 'left'}_{'top' if y else 'bottom'}"}}
+                   for x in (0, 0.1) for y in (0, 0.1)]
+        self.equilibrium(springs)
+        self.assertAlmostEqual(self.height("centre_of_mass.x"), 0.05, delta=1e-9)
+        self.assertAlmostEqual(self.height("corner.z"), -0.981 / 200, delta=1e-4)
+
+    def test_loads_of_a_free_sheet_balance_in_parts(self):
+        pull = [{"plugin": "edge_load", "where": {"boundary": side}, "force": [force, 0, 0]}
+                for side, force in (("left", -50), ("right", 50))]
+        self.run_scene({"surface": {"plugin": "grid", "nodes": [5, 5], "size": [0.1, 0.1]},
+                        "energies": [{"plugin": "koiter", "young": 1e6, "poisson": 0.3,
+                                      "thickness": 0.005}], "forces": pull,
+                        "integrator": {"plugin": "static", "step": 1, "load_steps": 4},
+                        "duration": 1}, "--quiet")
+
     def test_loads_that_nothing_balances(self):
         said = self.equilibrium([], expect=3).stderr
         self.assertIn("nothing holds the surface, and its loads do not balance", said)
