@@ -1,3 +1,5 @@
+#include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -10,25 +12,27 @@
 namespace {
 using namespace deform;
 
+constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
+
 struct Parameters {
   std::string material = "none";
-  Field young = 0.0;
-  double poisson = -1;
-  Field thickness = 0.0;
+  Field young = kNotGiven;
+  double poisson = kNotGiven;
+  Field thickness = kNotGiven;
   static void declare(Declaration<Parameters>& d) {
     std::vector<std::string> names = sheet_material_names();
     names.insert(names.begin(), "none");
     d("material", &Parameters::material, "",
       "sheet whose values hold where the scene gives none, its mass included")
         .one_of(names);
-    d("young", &Parameters::young, "Pa", "Young's modulus; the material's when absent, or 0")
+    d("young", &Parameters::young, "Pa", "Young's modulus; the material's when absent")
         .at_least(0)
         .optional();
-    d("poisson", &Parameters::poisson, "1", "Poisson's ratio; the material's when absent, or -1")
-        .at_least(-1)
+    d("poisson", &Parameters::poisson, "1", "Poisson's ratio; the material's when absent")
+        .above(-1)
         .at_most(0.5)
         .optional();
-    d("thickness", &Parameters::thickness, "m", "of the sheet; the material's when absent, or 0")
+    d("thickness", &Parameters::thickness, "m", "of the sheet; the material's when absent")
         .at_least(0)
         .optional();
   }
@@ -36,19 +40,25 @@ struct Parameters {
 
 /// What the scene says, the material's values where it says nothing.
 Parameters completed(Parameters p) {
-  const auto is_absent = [](const Field& f) { return f.is_constant() && f.constant() == 0; };
+  const auto is_absent = [](const Field& f) { return f.is_constant() && std::isnan(f.constant()); };
   if (p.material != "none") {
     const SheetMaterial& sheet = sheet_material(p.material);
     if (is_absent(p.young)) p.young = sheet.young;
     if (is_absent(p.thickness)) p.thickness = sheet.thickness;
-    if (p.poisson == -1) p.poisson = sheet.poisson;
+    if (std::isnan(p.poisson)) p.poisson = sheet.poisson;
   }
   const auto require = [](bool is_there, const std::string& name) {
     if (!is_there) throw InputError("'" + name + "' is missing: give it, or a 'material'");
   };
   require(!is_absent(p.young), "young");
   require(!is_absent(p.thickness), "thickness");
-  require(p.poisson != -1, "poisson");
+  require(!std::isnan(p.poisson), "poisson");
+  const auto require_some = [](const Field& f, const std::string& name) {
+    if (f.is_constant() && f.constant() == 0)
+      throw InputError("'" + name + "' is 0, expected more than 0");
+  };
+  require_some(p.young, "young");
+  require_some(p.thickness, "thickness");
   return p;
 }
 

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,9 +10,12 @@
 namespace {
 using namespace deform;
 
+constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
+
 struct Parameters {
   std::string material = "none";
-  double young_1 = 0, young_2 = 0, shear = 0, poisson = -1, thickness = 0;
+  double young_1 = kNotGiven, young_2 = kNotGiven, shear = kNotGiven, poisson = kNotGiven,
+         thickness = kNotGiven;
   static void declare(Declaration<Parameters>& d) {
     std::vector<std::string> names{"none"};
     for (const SheetMaterial& sheet : sheet_materials())
@@ -20,24 +24,23 @@ struct Parameters {
       "sheet whose values hold where the scene gives none, its mass included")
         .one_of(names);
     d("young_1", &Parameters::young_1, "Pa",
-      "Young's modulus along a1 (warp, machine direction); the material's when absent, or 0")
-        .at_least(0)
+      "Young's modulus along a1 (warp, machine direction); the material's when absent")
+        .above(0)
         .optional();
     d("young_2", &Parameters::young_2, "Pa",
-      "Young's modulus across it (weft, cross direction); the material's when absent, or 0")
-        .at_least(0)
+      "Young's modulus across it (weft, cross direction); the material's when absent")
+        .above(0)
         .optional();
-    d("shear", &Parameters::shear, "Pa",
-      "shear modulus in the sheet; the material's when absent, or 0")
-        .at_least(0)
+    d("shear", &Parameters::shear, "Pa", "shear modulus in the sheet; the material's when absent")
+        .above(0)
         .optional();
     d("poisson", &Parameters::poisson, "1",
-      "contraction across, of a pull along a1; the material's when absent, or -1")
+      "contraction across, of a pull along a1; the material's when absent")
         .at_least(-1)
         .at_most(2)
         .optional();
-    d("thickness", &Parameters::thickness, "m", "of the sheet; the material's when absent, or 0")
-        .at_least(0)
+    d("thickness", &Parameters::thickness, "m", "of the sheet; the material's when absent")
+        .above(0)
         .optional();
   }
 };
@@ -46,20 +49,20 @@ struct Parameters {
 Parameters completed(Parameters p) {
   if (p.material != "none") {
     const SheetMaterial& sheet = sheet_material(p.material);
-    if (p.young_1 == 0) p.young_1 = sheet.directions->young_1;
-    if (p.young_2 == 0) p.young_2 = sheet.directions->young_2;
-    if (p.shear == 0) p.shear = sheet.directions->shear;
-    if (p.poisson == -1) p.poisson = sheet.poisson;
-    if (p.thickness == 0) p.thickness = sheet.thickness;
+    if (std::isnan(p.young_1)) p.young_1 = sheet.directions->young_1;
+    if (std::isnan(p.young_2)) p.young_2 = sheet.directions->young_2;
+    if (std::isnan(p.shear)) p.shear = sheet.directions->shear;
+    if (std::isnan(p.poisson)) p.poisson = sheet.poisson;
+    if (std::isnan(p.thickness)) p.thickness = sheet.thickness;
   }
-  const auto require = [](bool is_there, const std::string& name) {
-    if (!is_there) throw InputError("'" + name + "' is missing: give it, or a 'material'");
+  const auto require = [](double value, const std::string& name) {
+    if (std::isnan(value)) throw InputError("'" + name + "' is missing: give it, or a 'material'");
   };
-  require(p.young_1 > 0, "young_1");
-  require(p.young_2 > 0, "young_2");
-  require(p.shear > 0, "shear");
-  require(p.poisson != -1, "poisson");
-  require(p.thickness > 0, "thickness");
+  require(p.young_1, "young_1");
+  require(p.young_2, "young_2");
+  require(p.shear, "shear");
+  require(p.poisson, "poisson");
+  require(p.thickness, "thickness");
   if (!(p.poisson * p.poisson * p.young_2 < p.young_1))
     throw InputError("'poisson' is " + std::to_string(p.poisson) +
                      ": poisson² · young_2 < young_1 is what makes the energy positive");

@@ -12,7 +12,9 @@ struct Parameters : ImplicitParameters {
 /// v⁺)/2: a stage of length h/2, then as far again. Second order; keeps momentum and angular
 /// momentum. Energies that know strains are those of the mean of both ends' strains, not of the
 /// mean of both ends' positions, which a turn shrinks: their forces do the work of the change of
-/// energy, so that this is kept, too, for steps of any size (System::average_strains_from).
+/// energy, so that this is kept, too, for steps of any size (System::average_strains_from), where
+/// it is quadratic in strains and loads have potentials of at most second degree. Others are taken
+/// at the middle, and their energy drifts at second order.
 class ImplicitMidpoint final : public ImplicitIntegrator {
  public:
   ImplicitMidpoint(const Parameters& p, const Setup& /*setup*/) : ImplicitIntegrator(p) {}
@@ -74,7 +76,7 @@ DEFORM_PLUGIN(
     ImplicitMidpoint, Parameters, .name = "implicit_midpoint", .version = "1.0",
     .summary =
         "implicit, second order, without damping of its own: for long flights and "
-        "vibrations",
+        "vibrations; keeps momenta, and the energy of quadratic energies and potentials",
     .formula =
         "M (v⁺ − v)/h = f((r + r⁺)/2, (v + v⁺)/2) − Γ (v + v⁺)/2, "
         "r⁺ = r + h (v + v⁺)/2; stress at (G + G⁺)/2, (B + B⁺)/2",

@@ -112,7 +112,6 @@ class Static final : public Integrator {
   void begin(System& system, const State& state, double step) {
     has_potential_ = system.without_potential().empty() && system.without_tangent().empty();
     if (!has_potential_ && !parameters_.linear) say_once_what_has_no_potential(system);
-    held_ = system.hold_rigid_motions(state.r);
     zero_ = NodeValues::Zero(system.nodes());
     end_ = state.time + step;
     start_ = state.r;
@@ -122,6 +121,7 @@ class Static final : public Integrator {
     loaded.time = end_;
     system.evaluate(loaded);
     first_force_ = system.force();
+    held_ = system.hold_rigid_motions(state.r);  // by the forces of the time just evaluated
     start_residual_ = 0;
     size_ = (start_.colwise().maxCoeff() - start_.colwise().minCoeff()).maxCoeff();
     still_ = kRoundingOfPositions * size_ +
@@ -200,6 +200,7 @@ class Static final : public Integrator {
                                   ? std::min<std::int64_t>(kMostLongSteps, parameters_.iterations)
                                   : parameters_.iterations;
     state.time = end_;
+    if (has_released_) held_ = system.hold_rigid_motions(state.r), has_released_ = false;
     place_prescribed(system, state, lambda);
     system.step_report().residuals.clear();
     NodeVectors before;
@@ -210,8 +211,11 @@ class Static final : public Integrator {
       if (i == 0) start_residual_ = norm;
       const double relative = report(system, norm, i);
       const bool is_still = moved <= still_;
-      if (relative <= parameters_.tolerance || (is_still && relative <= kRoundingOfForces))
-        return accept(system);
+      if (relative <= parameters_.tolerance || (is_still && relative <= kRoundingOfForces)) {
+        if (!release(system, state, lambda)) return accept(system, lambda);
+        before.resize(0, 3), moved = kInfinity;
+        continue;
+      }
       if (i == most || !std::isfinite(norm))
         return {false,
                 std::to_string(i) + " iterations leave a residual of " + scientific(relative)};
@@ -220,7 +224,7 @@ class Static final : public Integrator {
       std::string reason = newton_direction(system, state);
       const double longest = reason.empty() ? direction_.rowwise().norm().maxCoeff() : 0;
       // What is left over is the forces' rounding: the residual is relative to next to nothing.
-      if (reason.empty() && longest <= still_) return accept(system, kOfTheSameKind * norm);
+      if (reason.empty() && longest <= still_) return accept(system, lambda, kOfTheSameKind * norm);
       if (steps == Steps::newton) {
         if (reason.empty() && !(longest <= 2 * size_)) reason = "it leads out of all bounds";
         if (!reason.empty()) return {false, "no Newton step (" + reason + ")"};
@@ -234,7 +238,7 @@ class Static final : public Integrator {
       moved = search(system, state, lambda, norm);
       if (moved > 0) continue;
       system.evaluate(state);  // the search has left the forces of another state
-      if (relative <= kRoundingOfForces) return accept(system);
+      if (relative <= kRoundingOfForces) return accept(system, lambda);
       return {false, "no step along the direction found comes closer to equilibrium"};
     }
   }
@@ -260,20 +264,41 @@ class Static final : public Integrator {
     return report.residual;
   }
 
-  /// A surface that nothing holds has an equilibrium only if its loads balance, to the rounding of
-  /// the forces at work, or to what is known to be rounding [N].
-  [[nodiscard]] Outcome accept(const System& system, double rounding = 0) const {
+  /// The force that the part λ of the loads leaves over in a held component [N], beyond the
+  /// rounding of the forces at work, or what is known to be rounding; nothing where all balance.
+  [[nodiscard]] std::optional<double> left_over(const System& system, double lambda,
+                                                double rounding = 0) const {
     const double limit = std::max(kRoundingOfForces * scale_, rounding);
-    NodeVectors left = system.force();
+    NodeVectors left = system.force() - (1 - lambda) * first_force_;
     system.reduce_force(left);
     for (const Freedom& f : held_)
-      if (std::abs(left(f.node, f.component)) > limit)
-        throw Error(ExitCode::diverged,
-                    "nothing holds the surface, and its loads do not balance: " +
-                        std::to_string(held_.size()) +
-                        " motions as a rigid body are free, and a force of " +
-                        scientific(left(f.node, f.component)) + " N is left over in one of them");
+      if (std::abs(left(f.node, f.component)) > limit) return left(f.node, f.component);
+    return std::nullopt;
+  }
+
+  /// What forces did not resist where they were at rest they may resist where loads have stretched
+  /// them: springs along their length resist being turned. Returns whether less is held now.
+  [[nodiscard]] bool release(System& system, const State& state, double lambda) {
+    if (!left_over(system, lambda)) return false;
+    const std::size_t before = held_.size();
+    held_ = system.hold_rigid_motions(state.r);
+    has_released_ = true;
+    return held_.size() < before;
+  }
+
+  /// A surface that nothing holds has an equilibrium only if its loads balance.
+  [[nodiscard]] Outcome accept(const System& system, double lambda, double rounding = 0) const {
+    if (const std::optional<double> force = left_over(system, lambda, rounding))
+      throw Error(ExitCode::diverged,
+                  what_is_free() + "; a force of " + scientific(*force) + " N is left over");
     return {true, ""};
+  }
+
+  [[nodiscard]] std::string what_is_free() const {
+    const std::string count = std::to_string(held_.size());
+    if (held_.size() >= 6) return "nothing holds the surface, and its loads do not balance";
+    return "the surface is free to move as a rigid body in " + count +
+           (held_.size() == 1 ? " way" : " ways") + ", and its loads do not balance";
   }
 
   /// Goes along the direction as far as it helps; returns how far the farthest node moved [m].
@@ -337,17 +362,31 @@ class Static final : public Integrator {
     }
   }
 
-  /// Whether the equilibrium is one that the surface stays at.
+  /// Whether the equilibrium is one that the surface stays at. Where all has a potential, negative
+  /// eigenvalues of the tangent say that it is not. Where loads follow the surface, the tangent is
+  /// the symmetric part of the forces' derivative: if that is positive definite, the forces resist
+  /// every displacement; if it is not, there are displacements along which they do work. The
+  /// surface then mostly leaves, though the unsymmetric part might hold it; and flutter is known in
+  /// neither case. Where something has no tangent, nothing is known.
   void report_stability(System& system, const State& state) {
-    if (!has_potential_) return;
+    if (!system.without_tangent().empty()) return;
     system.evaluate_with_tangent(state, Tangent::exact);
-    if (system.factor_tangent(zero_).empty()) return;
+    if (has_potential_ && system.factor_tangent(zero_).empty()) return;
     const std::optional<System::Stability> found = stability_of(system);
     if (!found || found->negative == 0) return;
-    log::warn("static: the equilibrium at " + std::to_string(end_) +
-              " s is not stable: a limit or bifurcation point was passed (" +
-              std::to_string(found->negative) + " negative eigenvalues of the tangent, lowest " +
-              scientific(found->lowest) + " /s²)");
+    const std::string eigenvalues =
+        std::to_string(found->negative) +
+        (found->negative == 1 ? " negative eigenvalue" : " negative eigenvalues");
+    const std::string where = "static: the equilibrium at " + std::to_string(end_) + " s ";
+    const std::string lowest = ", lowest " + scientific(found->lowest) + " /s²)";
+    if (has_potential_)
+      log::warn(where + "is not stable: a limit or bifurcation point was passed (" + eigenvalues +
+                " of the tangent" + lowest);
+    else
+      log::warn(
+          where +
+          "is most likely not stable: there are displacements along which the forces do work (" +
+          eigenvalues + " of the tangent's symmetric part" + lowest);
   }
 
   [[noreturn]] void give_up(System& system, const State& state, double done,
@@ -371,6 +410,7 @@ class Static final : public Integrator {
 
   Parameters parameters_;
   bool has_potential_ = true, said_ = false;
+  bool has_released_ = false;  // the last search for an equilibrium ended with other held_
   double end_ = 0, size_ = 0, scale_ = 0, start_residual_ = 0;
   double still_ = 0;  // Newton steps that are not longer move nothing [m]
   std::vector<Freedom> held_;

@@ -1,6 +1,7 @@
 /// How deep a surface is inside of the scene's colliders.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <deform/record/probe.h>
 
@@ -22,7 +23,7 @@ class Contact final : public Probe {
     const NodeValues at_faces = frame.system.clearance(frame.state.time, face_centres(frame));
     const NodeVectors& rest = frame.system.rest();
     const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
-    figures[0] = static_cast<double>((at_nodes.array() < kTouching * size).count());
+    figures[0] = static_cast<double>(touching(frame, at_nodes, kTouching * size));
     figures[1] = std::max(0.0, -at_nodes.minCoeff());
     figures[2] = std::max(0.0, -at_faces.minCoeff());
   }
@@ -30,6 +31,19 @@ class Contact final : public Probe {
  private:
   /// Nodes that are nearer than this to a body, in sizes of the surface, touch it.
   static constexpr double kTouching = 1e-6;
+
+  /// How many nodes are nearer to a body, or to the distance that nodes keep from it, than `within`
+  /// [m].
+  static Index touching(const Frame& frame, const NodeValues& clearance, double within) {
+    std::vector<NodeContact> contacts;
+    frame.system.find_contacts(frame.state.time, frame.state.r, frame.state.r, within, contacts);
+    std::vector<bool> touches(static_cast<std::size_t>(clearance.size()));
+    for (Index a = 0; a < clearance.size(); ++a)
+      touches[static_cast<std::size_t>(a)] = clearance[a] < within;
+    for (const NodeContact& contact : contacts)
+      if (contact.gap < within) touches[static_cast<std::size_t>(contact.node)] = true;
+    return std::ranges::count(touches, true);
+  }
 
   static NodeVectors face_centres(const Frame& frame) {
     const Faces& faces = frame.system.surface().faces();
@@ -49,6 +63,7 @@ class Contact final : public Probe {
 
 DEFORM_PLUGIN(Contact, NoParameters, .name = "contact", .version = "1.0",
               .summary =
-                  "nodes that touch a collider, and how deep the deepest node and the "
-                  "deepest centre of a face are inside of one; empty without colliders",
+                  "nodes that touch a collider (or keep its thickness), and how deep the deepest "
+                  "node and the deepest centre of a face are inside of one, whose surface is that "
+                  "without thickness; empty without colliders",
               .formula = "max(0, −min φ)")

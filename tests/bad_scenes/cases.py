@@ -34,8 +34,8 @@ BEYOND_SCHEMA = {
                  r"found \S*1e\+300\S*, expected .*whole number"),
     "plugin": ("what a plugin's constructor alone knows",
                r"is empty|must be 1 or -1|too extreme|normal is 0|rounding is more"
-               r"|inside of this collider|no number holds|no area around node|weighs"
-               r"|number of waves"),
+               r"|inside of this collider|without contact|no number holds|no area around node|weighs"
+               r"|number of waves|is 0, expected more than 0|give it, or a 'material'"),
 }
 
 BASE = {
@@ -136,6 +136,9 @@ bad("collider_without_direction",
 bad("collider_around_the_sheet",
     {"/colliders": [{"plugin": "sphere", "centre": [0.5, 0.5, 0], "radius": 9}]},
     "at /colliders/0", "inside of this collider", beyond="plugin")
+bad("collider_of_an_equilibrium",
+    {"/colliders": [{"plugin": "plane", "point": [0, 0, -1]}], "/integrator/plugin": "static"},
+    "at /colliders", 'integrator "static" looks for equilibria without contact', beyond="plugin")
 bad("collider_rounder_than_it_is",
     {"/colliders": [{"plugin": "box", "centre": [0, 0, -9], "rounding": 2}]},
     "at /colliders/0", "rounding is more", beyond="plugin")
@@ -371,6 +374,19 @@ bad("rest_without_area", {"/surface/rest": {"plugin": "formula", "y": "0*a2"}}, 
 bad("masses_of_two_materials", {"/material": {}, "/energies": [
     {"plugin": "koiter", "material": "steel"}, {"plugin": "koiter_orthotropic", "material": "paper"}]},
     "at /material/density", "say what the surface weighs", beyond="plugin")
+SHELL = {"plugin": "koiter", "young": 1e6, "poisson": 0.3, "thickness": 0.001}
+bad("koiter_of_no_stiffness", {"/energies": [SHELL | {"young": 0}]}, "at /energies/0",
+    "'young' is 0, expected more than 0", beyond="plugin")
+bad("koiter_of_no_thickness", {"/energies": [SHELL | {"thickness": 0, "material": "paper"}]},
+    "at /energies/0", "'thickness' is 0, expected more than 0", beyond="plugin")
+bad("koiter_without_poisson",
+    {"/energies": [{"plugin": "koiter", "young": 1e6, "thickness": 0.001}]}, "at /energies/0",
+    "'poisson' is missing: give it, or a 'material'", beyond="plugin")
+bad("koiter_of_poisson_minus_one", {"/energies": [SHELL | {"poisson": -1}]},
+    "at /energies/0/poisson", "found -1, expected number > -1")
+bad("orthotropic_of_no_shear",
+    {"/energies": [{"plugin": "koiter_orthotropic", "material": "paper", "shear": 0}]},
+    "at /energies/0/shear", "found 0, expected number > 0")
 bad("velocity_not_finite", {"/velocity": {"linear": [0, 0, "1/a1"]}}, "at /velocity/linear/2",
     "is inf at a1 = 0", beyond="formulas")
 bad("formula_that_ends_early", {"/surface/rest": {"plugin": "formula", "z": "2*("}},

@@ -283,6 +283,85 @@ class Talk(RunCommand):
                 if integrator == "doubles_forces":
                     self.assertIn("over the 4 steps up to step 20", said)
 
+    def equilibrium(self, forces, constraints=(), **expect):
+        """Of a stiff square of 0.1 m that weighs 0.981 N; its corners' height is probed."""
+        return self.run_scene({
+            "surface": {"plugin": "grid", "nodes": [5, 5], "size": [0.1, 0.1]},
+            "material": {"density": 10},
+            "energies": [{"plugin": "koiter", "young": 1e6, "poisson": 0.3, "thickness": 0.005}],
+            "forces": ["gravity", *forces], "constraints": list(constraints),
+            "integrator": {"plugin": "static", "step": 1}, "duration": 2,
+            "probes": ["centre_of_mass",
+                       {"plugin": "point", "where": {"corners": "all"}, "label": "corner"}],
+        }, "--force", "--quiet", **expect)
+
+    def height(self, name):
+        names, *rows = self.rows()
+        return float(rows[-1][next(i for i, n in enumerate(names) if n.startswith(name))])
+
+    def test_springs_hold_an_equilibrium(self):
+        everywhere = {"plugin": "spring", "stiffness": 50, "anchor": [0.05, 0.05, 0],
+                      "where": {"box": [[0, 0], [0.1, 0.1]]}}
+        self.equilibrium([everywhere])  # which leaves turns about the anchor free
+        self.assertAlmostEqual(self.height("centre_of_mass.z"), -0.981 / 50, delta=1e-10)
+        corners = {"left_bottom": [0, 0, 0.1], "left_top": [0, 0.1, 0.1],
+                   "right_bottom": [0.1, 0, 0.1], "right_top": [0.1, 0.1, 0.1]}
+        springs = [{"plugin": "spring", "stiffness": 20, "anchor": anchor,
+                    "where": {"corners": corner}} for corner, anchor in corners.items()]
+        self.equilibrium(springs)
+        self.assertAlmostEqual(self.height("corner.z"), 0.1 - 0.981 / 80, delta=1e-9)
+
+    def test_an_unstable_equilibrium_under_pressure_is_told(self):
+        """A tube with open ends stays round under a pressure at which it should fold."""
+        for pressure, unstable in ((-5, True), (-0.01, False), (5, False)):
+            said = self.run_scene({
+                "surface": {"plugin": "grid", "nodes": [16, 5], "size": [0.6283185307179586, 0.3],
+                            "periodic": [True, False],
+                            "rest": {"plugin": "arc", "radius": 0.1, "base": "axis"}},
+                "energies": [{"plugin": "koiter", "young": 1e6, "poisson": 0.3,
+                              "thickness": 0.001}],
+                "forces": [{"plugin": "pressure", "pressure": pressure}],
+                "integrator": {"plugin": "static", "step": 1}, "duration": 1,
+            }, "--force", "--quiet").stderr
+            self.assertEqual("not stable" in said, unstable, said)
+
+    def test_springs_hold_what_they_resist_once_stretched(self):
+        """At their rest length they do not resist being turned: the loads make them do so."""
+        springs = [{"plugin": "spring", "stiffness": 50, "anchor": [x, y, 0.1], "rest_length": 0.1,
+                    "where": {"corners": f"{'right' if x else 'left'}_{'top' if y else 'bottom'}"}}
+                   for x in (0, 0.1) for y in (0, 0.1)]
+        self.equilibrium(springs)
+        self.assertAlmostEqual(self.height("centre_of_mass.x"), 0.05, delta=1e-9)
+        self.assertAlmostEqual(self.height("corner.z"), -0.981 / 200, delta=1e-4)
+
+    def test_loads_of_a_free_sheet_balance_in_parts(self):
+        pull = [{"plugin": "edge_load", "where": {"boundary": side}, "force": [force, 0, 0]}
+                for side, force in (("left", -50), ("right", 50))]
+        self.run_scene({"surface": {"plugin": "grid", "nodes": [5, 5], "size": [0.1, 0.1]},
+                        "energies": [{"plugin": "koiter", "young": 1e6, "poisson": 0.3,
+                                      "thickness": 0.005}], "forces": pull,
+                        "integrator": {"plugin": "static", "step": 1, "load_steps": 4},
+                        "duration": 1}, "--quiet")
+
+    def test_loads_that_nothing_balances(self):
+        said = self.equilibrium([], expect=3).stderr
+        self.assertIn("nothing holds the surface, and its loads do not balance", said)
+        said = self.equilibrium([], [{"plugin": "pin", "where": {"boundary": "left"}}],
+                                expect=3).stderr
+        self.assertIn("free to move as a rigid body in 1 way, and its loads", said)
+
+    def test_nodes_that_keep_a_thickness_touch(self):
+        """A square that lies on a plane at the distance that nodes keep, and one just above it."""
+        for height, touching in ((0.01, 25), (0.0101, 0)):
+            self.run_scene({"surface": {"plugin": "grid", "nodes": [5, 5], "size": [1, 1]},
+                            "energies": [{"plugin": "edge_springs", "stiffness": 10}],
+                            "colliders": [{"plugin": "plane", "point": [0, 0, -height],
+                                           "thickness": 0.01}],
+                            "integrator": {"plugin": "backward_euler", "step": 0.01},
+                            "duration": 0.02, "probes": ["contact"]}, "--force", "--quiet")
+            names, *rows = self.rows()
+            self.assertEqual(float(rows[-1][names.index("contact.nodes")]), touching)
+
     def test_an_error_below_rounding_is_refused(self):
         for integrator in ("backward_euler", "bdf2", "implicit_midpoint", "runge_kutta"):
             with self.subTest(integrator=integrator):
@@ -306,6 +385,61 @@ class Talk(RunCommand):
             result = self.deform(*arguments)
             self.assertEqual(result.returncode, 0)
             self.assertIn("deform", result.stdout)
+
+
+class Remarks(RunCommand):
+    """What is no error, though hardly meant: `validate` and `run` say it, once."""
+
+    def square(self, constraints, **changes):
+        scene = {"surface": {"plugin": "grid", "nodes": [5, 5], "size": [1, 1]},
+                 "energies": [{"plugin": "edge_springs", "stiffness": 10}],
+                 "constraints": constraints, "duration": 0.02,
+                 "integrator": {"plugin": "backward_euler", "step": 0.01}}
+        return scene | changes
+
+    def remarks(self, scene):
+        validated = self.deform("validate", self.write(scene))
+        self.assertEqual(validated.returncode, 0, validated.stderr)
+        self.assertEqual(self.run_scene(scene, "--force", "--quiet").stderr, validated.stderr)
+        self.assertEqual("warning" in validated.stderr, bool(validated.stderr))
+        return validated.stderr.splitlines()
+
+    def move(self, displacements, times=(0, 1), side="left", **more):
+        return {"plugin": "move", "where": {"boundary": side}, "times": list(times),
+                "displacements": displacements} | more
+
+    PIN = {"plugin": "pin", "where": {"boundary": "left"}}
+    CLAMP = {"plugin": "clamp", "where": {"boundary": "left"}}
+
+    def test_of_constraints_that_contradict_each_other(self):
+        away = self.move([[0, 0, 0], [0, 0, 0.1]])
+        back = self.move([[0, 0, 0], [0, 0, 0.1], [0, 0, 0]], times=[0, 0.003, 0.006])
+        for constraints in ([away, self.PIN], [back, self.PIN], [self.PIN, away, self.CLAMP],
+                            [away, self.move([[0, 0, 0], [0, 0, -0.1]])]):
+            with self.subTest(constraints=constraints):
+                said = self.remarks(self.square(constraints))
+                self.assertEqual(len(said), 1, said)
+                self.assertRegex(said[0], r"sheet\.json:1:\d+: at /constraints/\d: .* over from move "
+                                 r"\(at /constraints/\d\), which moves them elsewhere: z of node 0")
+        for constraints in ([self.PIN, away], [self.CLAMP, away], [away, away],
+                            [away, self.PIN | {"components": ["x", "y"]}],
+                            [self.move([[0, 0, 0], [0, 0, 1]], side="right"), self.CLAMP]):
+            with self.subTest(constraints=constraints):
+                self.assertEqual(self.remarks(self.square(constraints)), [])
+
+    def test_of_a_start_that_tears(self):
+        said = self.remarks(self.square([self.move([[0, 0, 0.125], [0, 0, 0.5]])]))
+        self.assertEqual(len(said), 1, said)
+        self.assertRegex(said[0], r"at /constraints/0: node 0 is at z = 0\.125 m when the run begins")
+        self.assertEqual(self.remarks(self.square([self.move([[0, 0, 0], [0, 0, 0.1]])])), [])
+
+    def test_of_newton_error_with_colliders(self):
+        for error, colliders, lines in ((1e-4, ["plane"], 1), (1e-4, [], 0), (0, ["plane"], 0)):
+            said = self.remarks(self.square([], colliders=colliders, integrator={
+                "plugin": "bdf2", "step": 0.01, "newton_error": error}))
+            self.assertEqual(len(said), lines, said)
+            if lines:
+                self.assertIn("at /integrator/newton_error: 0.0001 is of no effect", said[0])
 
 
 class BadInput(RunCommand):

@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
 #include "deform/simulation/run.h"
 
+#include "simulation/constraint_remarks.h"
 #include "simulation/part_maker.h"
 #include "simulation/shadow_probe.h"
 
@@ -96,9 +98,29 @@ std::vector<Problem> remarks_on(const Scene& scene) {
   return remarks;
 }
 
+namespace {
+
+/// What the integrator is told to no effect.
+void add_remarks_on_integrator(const Scene& scene, std::vector<Problem>& remarks) {
+  const auto& parameters = scene.integrator.parameters;
+  if (scene.colliders.empty() || parameters == nullptr || !parameters->has("newton_error")) return;
+  const auto* error = std::get_if<double>(&parameters->at("newton_error"));
+  if (error == nullptr || *error == 0) return;
+  const std::string pointer = scene.integrator.pointer + "/newton_error";
+  remarks.push_back(scene.located(
+      {pointer, fmt::format("at {}: {:g} is of no effect where there are colliders: steps are "
+                            "solved to 'tolerance'",
+                            pointer, *error)}));
+}
+
+}  // namespace
+
 std::vector<Problem> remarks_on(const RunParts& parts) {
   const Scene& scene = parts.simulation->scene();
   std::vector<Problem> remarks = remarks_on(scene);
+  for (Problem& remark : constraint_remarks(*parts.simulation))
+    remarks.push_back(scene.located(std::move(remark)));
+  add_remarks_on_integrator(scene, remarks);
   if (parts.simulation->integrator().lags_coefficients()) return remarks;
   const auto remark = [&](const std::string& pointer) {
     remarks.push_back(scene.located(

@@ -75,6 +75,22 @@ NodeVectors unflattened(const Memory& memory, const std::string& name, Index nod
   return v;
 }
 
+/// An equilibrium that is looked for as if there were no bodies is not made right by putting nodes
+/// outside of them afterwards.
+void require_no_colliders(const Scene& scene, const Named<Integrator>& integrator,
+                          PartMaker& maker) {
+  if (scene.colliders.empty()) return;
+  const bool ignores_bodies = guarded(integrator.origin, "saying what it is", [&] {
+    return integrator.object->is_static() && !integrator.object->resolves_contacts();
+  });
+  if (!ignores_bodies) return;
+  maker.add({{"/colliders",
+              fmt::format("at /colliders: found {} of them, expected none: integrator \"{}\" looks "
+                          "for equilibria without contact; take \"backward_euler\" with damping "
+                          "('damping' of the material), until the surface rests",
+                          scene.colliders.size(), integrator.name)}});
+}
+
 /// Velocities whose energy overflows are no state to begin with.
 void require_finite_energy(const NodeVectors& v, const NodeValues& mass) {
   if (std::isfinite(v.rowwise().squaredNorm().dot(mass))) return;
@@ -169,6 +185,7 @@ void Simulation::Impl::make_system() {
   parts.mirrored = mirrored;
   parts.bodies = make_bodies(maker, unmirrored);
   auto made_integrator = maker.make<Integrator>(scene.integrator, setup);
+  if (made_integrator) require_no_colliders(scene, *made_integrator, maker);
   parts.make_solvers = solver_factory(maker, surface->object);
   maker.throw_problems();
   if (!mirrored) log_selection_remarks(scene, *surface->object);

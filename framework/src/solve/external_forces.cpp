@@ -99,13 +99,30 @@ void ExternalForces::add_tangent(const State& state, const NodeVectors& normals,
                });
 }
 
+bool ExternalForces::add_conservative_stiffness(const State& state, const NodeVectors& normals,
+                                                BlockMatrix& k, NodeVectors& f) {
+  NodeValues stiffness = NodeValues::Zero(k.nodes), damping = stiffness;
+  bool any = false;
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
+    const ForceTraits& t = traits_[i];
+    if (!t.potential || !(t.isotropic_tangent || t.exact_tangent)) continue;
+    any = true;
+    add_force(state, normals, f, &forces_[i]);
+    add_tangent(state, normals, stiffness, damping, &forces_[i], true);
+    add_exact_tangent(state, normals, 0, k, &forces_[i]);
+  }
+  for (Index a = 0; any && a < k.nodes; ++a) k.block(a, a).diagonal().array() += stiffness[a];
+  return any;
+}
+
 void ExternalForces::add_exact_tangent(const State& state, const NodeVectors& normals, double rate,
-                                       BlockMatrix& k) {
+                                       BlockMatrix& k, const Named<ForceField>* only) {
   const World world = world_of(state, normals);
   const NodeBlock nodes = block_of(world, 0, state.r.rows());
   const Vec3 reflection(1, 1, mirrored_ ? -1 : 1);
   const Eigen::Matrix3d zero = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < forces_.size(); ++i) {
+    if (only != nullptr && only != &forces_[i]) continue;
     const bool damps = traits_[i].exact_damping && rate != 0;
     if (!traits_[i].exact_tangent && !damps) continue;
     blocks_.assign(pairs_[i].size(), zero);

@@ -37,7 +37,11 @@ class ExternalForces {
   }
   /// K −= ∂f/∂r + rate ∂f/∂v of those that know them; rate: dv/dr [1/s].
   void add_exact_tangent(const State& state, const NodeVectors& normals, double rate,
-                         BlockMatrix& k);
+                         BlockMatrix& k, const Named<ForceField>* only = nullptr);
+  /// K −= ∂f/∂r and f += force of those with a potential that have a stiffness; returns whether
+  /// there are any.
+  bool add_conservative_stiffness(const State& state, const NodeVectors& normals, BlockMatrix& k,
+                                  NodeVectors& f);
   /// Whether that may be anything.
   [[nodiscard]] bool has_exact_tangent() const {
     return std::ranges::any_of(

@@ -165,6 +165,7 @@ void System::Impl::evaluate(const State& state, JetAssembler::Part part) {
   const Stopwatch watch(times.assembly, "geometry, stress and force");
   evaluate_geometry_and_stress(state.r, part);
   evaluate_tuples(state.r);
+  evaluated_at = state.time;
   force.setZero();
   add_internal_force(force);
   external.add_force(state, normals, force);

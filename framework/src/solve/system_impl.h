@@ -14,6 +14,7 @@
 #include "solve/external_forces.h"
 #include "solve/jet_assembler.h"
 #include "solve/reduced_solver.h"
+#include "solve/rigid_modes.h"
 #include "solve/tangent_matrix.h"
 #include "solve/tangent_solver.h"
 #include "solve/tuple_assembler.h"
@@ -74,6 +75,7 @@ struct System::Impl {
   void add_strain_damping(NodeVectors& f);
   void add_strain_damping_tangent(Tangent kind, BlockMatrix& sum);
   [[nodiscard]] std::vector<std::vector<std::int32_t>> dependence() const;
+  [[nodiscard]] RigidStiffness rigid_stiffness_of_forces(const NodeVectors& r);
   [[nodiscard]] SetPart& set_of(const SampleSet& samples);
   [[nodiscard]] Geometries geometries(SetPart& set) {
     return {set.geometry[current], set.geometry[current], set.rest, nullptr,
@@ -124,6 +126,7 @@ struct System::Impl {
   std::vector<Geometries> all_geometries;
 
   NodeVectors force;
+  double evaluated_at = 0;  // time of `force` [s]
   NodeValues force_stiffness, force_damping;
   SparseMatrix k;
   long version = 0;

@@ -5,7 +5,6 @@
 
 #include "solve/lowest_eigenvalue.h"
 #include "solve/not_finite.h"
-#include "solve/rigid_modes.h"
 #include "solve/stopwatch.h"
 #include "solve/system_impl.h"
 
@@ -252,8 +251,29 @@ System::Stability System::stability() {
                                     : unknowns.expanded(lowest.vector)};
 }
 
+/// Of the force fields at r and the time of the last evaluation.
+RigidStiffness System::Impl::rigid_stiffness_of_forces(const NodeVectors& r) {
+  update_geometry(r);
+  if (tangent.nodes == 0) make_tangent_pattern();
+  BlockMatrix stiffness = tangent;
+  stiffness.value.assign(9 * stiffness.column.size(), 0.0);
+  NodeVectors f = NodeVectors::Zero(r.rows(), 3);
+  const State state{r, NodeVectors::Zero(r.rows(), 3), evaluated_at};
+  if (!external.add_conservative_stiffness(state, normals, stiffness, f)) return {};
+  return rigid_stiffness(stiffness, f, r);
+}
+
+/// What force fields hold is asked for the time of the last evaluation.
 std::vector<Freedom> System::hold_rigid_motions(const NodeVectors& r) {
-  std::vector<Freedom> held = components_to_hold(*impl_->map, r);
+  RigidStiffness forces = impl_->rigid_stiffness_of_forces(r);
+  if (!forces.second.isZero(0)) {
+    // Stiffness that is lost among the surface's own holds nothing: no solver would notice it.
+    constexpr double kNoticed = 1e-12;
+    const double time = impl_->evaluated_at;
+    evaluate_with_tangent({r, NodeVectors::Zero(nodes(), 3), time}, Tangent::exact);
+    forces.least = std::max(forces.least, kNoticed * mean_stiffness().cwiseAbs().sum());
+  }
+  std::vector<Freedom> held = components_to_hold(*impl_->map, r, forces);
   if (held == impl_->held_freedoms) return held;
   impl_->held_freedoms = held;
   if (impl_->solver_has_tangent) (void)impl_->whole_tangent();  // the next solver gets it
