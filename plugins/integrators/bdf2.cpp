@@ -11,7 +11,7 @@ struct Parameters : ImplicitParameters {
   static void declare(Declaration<Parameters>& d) { ImplicitParameters::declare(d); }
 };
 
-/// Steps longer than this many of the one before are cut: the formula is stable below 1 + √2.
+/// Steps longer than this many of the one before start anew: the formula is stable below 1 + √2.
 constexpr double kMostGrowth = 2;
 /// γ of the two-stage step.
 constexpr double kGamma = 1 - 1 / std::numbers::sqrt2;

@@ -47,8 +47,9 @@ class ExternalForces {
     return std::ranges::any_of(
         traits_, [](const ForceTraits& t) { return t.exact_tangent || t.exact_damping; });
   }
-  /// Names of the fields that a Newton step knows no tangent of, though they depend on positions or
-  /// say nothing of it; and of those without a potential.
+  /// Names of the fields that a Newton step knows no tangent of, though they depend on the surface
+  /// around a node (a field that reads the node's own position alone and offers no tangent counts
+  /// as constant); and of those without a potential.
   [[nodiscard]] std::vector<std::string> without_tangent() const;
   [[nodiscard]] std::vector<std::string> without_potential() const;
 

@@ -39,7 +39,8 @@ class Multigrid final : public LinearSolver, public BlockSolver {
         smooth_coarsening_(setup.surface().smooth_coarsening()) {
     // Kinks of one level make bending twice as stiff there at most, and the matrix of the largest
     // coarse level has half as many entries a row.
-    if (!coarsening_.empty()) smooth_coarsening_.front() = coarsening_.front();
+    if (!coarsening_.empty() && !smooth_coarsening_.empty())
+      smooth_coarsening_.front() = coarsening_.front();
   }
 
   [[nodiscard]] double suitability(const MatrixTraits& traits) const override {

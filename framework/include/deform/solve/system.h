@@ -52,7 +52,7 @@ struct ModelParts {
   NodeVectors rest;    ///< (N × 3) [m]
   NodeValues areas;    ///< (N) A, that mass and loads per area go by: Setup::areas() [m²]
   NodeValues mass;     ///< (N) mu A [kg]
-  NodeValues damping;  ///< (N) gamma A [N·s/m]
+  NodeValues damping;  ///< (N) (gamma + rayleigh_mass mu) A [N·s/m]
   std::vector<Named<EnergyTerm>> energies;
   /// Retardation time of each energy term's material [s]: its damping force is this times the
   /// Gauss–Newton tangent of the term times −v (Kelvin–Voigt). Empty: none.
@@ -245,8 +245,8 @@ class DEFORM_API System {
   };
   [[nodiscard]] Stability stability();
   /// Tells `factor_tangent` and `factor_jacobian` to hold as many components as it takes for a
-  /// surface at r that its constraints do not hold in space (statics, where inertia does not
-  /// either). Returns them.
+  /// surface at r that neither its constraints nor force fields with a stiffness, at the time of
+  /// the last evaluation, hold in space (statics, where inertia does not either). Returns them.
   std::vector<Freedom> hold_rigid_motions(const NodeVectors& r);
 
   /// Evaluates all forces, and −∂f/∂r of all of them by coloured differences: for what has no
