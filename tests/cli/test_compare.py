@@ -422,6 +422,55 @@ class Resume(CompareTest):
         self.assertNotIn("0" * 64, manifest.read_text())
 
 
+class Changed(CompareTest):
+    """What changes while a comparison runs must not be found in one run and not in another."""
+
+    def start_and_change(self, scene, change, *arguments):
+        """Changes something while the first run goes on; returns what the comparison said."""
+        folder = self.folder / "c"
+        process = subprocess.Popen([PROGRAM, "compare", self.write(scene), "--out", folder, *arguments],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        while not (folder / "base" / "probes.csv").exists():
+            self.assertIsNone(process.poll(), "it ended by itself")
+            time.sleep(0.001)
+        change()
+        _, stderr = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 2, stderr)
+        self.assertFalse((folder / "summary.json").exists())
+        return stderr
+
+    def scene(self, **changes):
+        return sheet(duration=40.0, variants={"other": {"/energies/1/xi": 2e-6}}, **changes)
+
+    def test_a_file_of_the_scene(self):
+        eta = self.folder / "eta.txt"
+        eta.write_text("0.01 0.01\n0.01 0.01\n")
+        scene = self.scene()
+        scene["energies"][0]["eta"] = {"map": "eta.txt"}
+        for text in ("0.01 0.01\n0.01 0.02\n", "no numbers\n"):
+            with self.subTest(text=text):
+                stderr = self.start_and_change(scene, lambda: eta.write_text(text), "--force")
+                self.assertIn("run other: files changed while the comparison ran", stderr)
+                self.assertIn(str(eta), stderr)
+            eta.write_text("0.01 0.01\n0.01 0.01\n")
+            shutil.rmtree(self.folder / "c")
+
+    def test_a_plugin(self):
+        plugins = self.folder / "plugins"
+        plugins.mkdir()
+        library = plugins / "integrator-two_step.so"
+        shutil.copy(Path(FIXTURES) / library.name, library)
+
+        def replace():
+            (self.folder / "new").write_bytes(library.read_bytes() + b"another build")
+            os.replace(self.folder / "new", library)
+
+        scene = self.scene(integrator={"plugin": "two_step", "step": 0.02})
+        stderr = self.start_and_change(scene, replace, "--plugin-path", plugins)
+        self.assertIn(str(library), stderr)
+
+
 class Expect(CompareTest):
     def expect(self, claims, code):
         file = self.write({"claims": claims} if isinstance(claims, list) else claims, "expect.json")

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstring>
 #include <exception>
+#include <map>
 #include <mutex>
 #include <numeric>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -48,28 +50,28 @@ bool is_whole(const fs::path& folder, const Json& manifest) {
 enum class Found : std::uint8_t { nothing, begun, complete };
 
 /// Whether the run's own process would go on from what is there rather than refuse it.
-bool can_go_on(const PlannedRun& run, const fs::path& folder, const PluginRegistry& registry) {
+bool can_go_on(const PlannedRun& run, const fs::path& folder, const Manifest& planned) {
   try {
-    (void)look_for_run(folder, run.scene, Manifest(run.scene, registry, {}));
+    (void)look_for_run(folder, run.scene, planned);
     return true;
   } catch (const Error&) {
     return false;
   }
 }
 
-Found look_for(const PlannedRun& run, const fs::path& folder, const PluginRegistry& registry) {
+Found look_for(const PlannedRun& run, const fs::path& folder, const Manifest& planned) {
   if (fs::is_symlink(folder)) return Found::nothing;  // it would be written to elsewhere
   const Json manifest = read_json_object(folder / kManifestFile);
   const auto scene = read_file(folder / "scene.json");
   if (!manifest.is_object() || scene != scene_text(run.scene, folder)) return Found::nothing;
-  if (!Manifest(run.scene, registry, {}).difference(manifest).empty()) return Found::nothing;
+  if (!planned.difference(manifest).empty()) return Found::nothing;
   const std::string status = text_of(manifest, "status");
   // A divergence is a result, which comes again; a plugin may have failed for another reason.
   const bool complete = status == "done" || status == "diverged";
   const bool is_summed_up = read_json_object(folder / "summary.json").is_object();
   if (complete && is_summed_up)
     return is_whole(folder, manifest) ? Found::complete : Found::nothing;
-  return can_go_on(run, folder, registry) ? Found::begun : Found::nothing;
+  return can_go_on(run, folder, planned) ? Found::begun : Found::nothing;
 }
 
 /// Of a run whose process came to no end of its own: a plugin may have ended it.
@@ -100,12 +102,43 @@ RunOutcome outcome_of(const fs::path& folder, const ChildExit& exit) {
   return outcome;
 }
 
+Error changed_meanwhile(const std::string& name, const std::string& change) {
+  return InputError(
+      fmt::format("run {}: files changed while the comparison ran ({}); leave them alone until it "
+                  "ends; --resume goes on from there",
+                  name, change));
+}
+
+/// What the runs are to be made with, before the first one starts; nothing of those that are
+/// refused. Throws InputError when a file changes meanwhile: runs share most of them.
+std::vector<std::optional<Manifest>> planned_manifests(const std::vector<PlannedRun>& runs,
+                                                       const PluginRegistry& registry) {
+  std::vector<std::optional<Manifest>> manifests(runs.size());
+  std::map<std::string, std::string> hashes;  // of each file
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    if (!runs[i].refused.empty()) continue;
+    const Json& made_with = manifests[i].emplace(runs[i].scene, registry, RunOptions()).json();
+    for (const char* kind : {"files", "plugins"}) {
+      for (const Json& entry : made_with[kind]) {
+        const std::string file = text_of(entry, "file"), hash = text_of(entry, "sha256");
+        if (hashes.try_emplace(file, hash).first->second != hash)
+          throw changed_meanwhile(runs[i].name, file);
+      }
+    }
+  }
+  return manifests;
+}
+
 /// Takes runs from a list, a worker thread and a process each.
 class Runner {
  public:
   Runner(const std::vector<PlannedRun>& runs, const PluginRegistry& registry,
          const RunnerOptions& options)
-      : runs_(runs), registry_(registry), options_(options), outcomes_(runs.size()) {
+      : runs_(runs),
+        registry_(registry),
+        options_(options),
+        manifests_(planned_manifests(runs, registry)),
+        outcomes_(runs.size()) {
     steps_done_.resize(runs.size());
     for (const PlannedRun& run : runs) total_steps_ += run.scene.steps();
   }
@@ -146,7 +179,7 @@ class Runner {
               planned.refused};
     }
     Found found = Found::nothing;
-    if (options_.resume) found = look_for(planned, folder, registry_);
+    if (options_.resume) found = look_for(planned, folder, *manifests_[i]);
     if (found == Found::complete) {
       RunOutcome outcome = outcome_of(folder, {});
       outcome.reused = true;
@@ -161,10 +194,33 @@ class Runner {
     } else {
       fs::remove(folder / "summary.json");  // not that of a run that ends without one
     }
-    return outcome_of(
-        folder, run_child(
-                    options_.program.string(), arguments(folder),
-                    [&](const std::string& line) { return take(i, line); }, options_.interrupted));
+    const ChildExit exit = run_child(
+        options_.program.string(), arguments(folder),
+        [&](const std::string& line) { return take(i, line); }, options_.interrupted);
+    RunOutcome outcome = outcome_of(folder, exit);
+    if (exit.code != static_cast<int>(ExitCode::interrupted)) require_as_planned(i, outcome);
+    return outcome;
+  }
+
+  /// Throws InputError for a run that was made with something else than was planned: it is no
+  /// result beside those of the others.
+  void require_as_planned(std::size_t i, const RunOutcome& outcome) const {
+    const bool is_result = outcome.status == status_of(ExitCode::done) ||
+                           outcome.status == status_of(ExitCode::diverged);
+    const std::string change = is_result ? manifests_[i]->difference(read_json_object(
+                                               options_.folder / runs_[i].name / kManifestFile))
+                                         : change_since(i);
+    if (!change.empty()) throw changed_meanwhile(runs_[i].name, change);
+  }
+
+  /// "", or what is another now than when the run was planned. One that came to no result may not
+  /// have come so far as to say what it was made with.
+  [[nodiscard]] std::string change_since(std::size_t i) const {
+    try {
+      return manifests_[i]->difference(Manifest(runs_[i].scene, registry_, {}).json());
+    } catch (const Error& e) {
+      return e.what();  // a plugin file is gone
+    }
   }
 
   [[nodiscard]] std::vector<std::string> arguments(const fs::path& folder) const {
@@ -196,6 +252,7 @@ class Runner {
   const std::vector<PlannedRun>& runs_;
   const PluginRegistry& registry_;
   const RunnerOptions& options_;
+  const std::vector<std::optional<Manifest>> manifests_;
   std::vector<RunOutcome> outcomes_;
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> failed_ = false;

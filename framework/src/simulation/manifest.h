@@ -29,6 +29,7 @@ class Manifest {
   /// "", or what the run of an `earlier` manifest was made with that is another now: the program,
   /// a plugin, a file of the scene.
   [[nodiscard]] std::string difference(const Json& earlier) const;
+  [[nodiscard]] const Json& json() const { return json_; }
   /// The files that the scene names, as they were when this was made.
   [[nodiscard]] const std::vector<HashedFile>& files() const { return files_; }
 
