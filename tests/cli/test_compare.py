@@ -421,6 +421,22 @@ class Resume(CompareTest):
         self.compare(sheet(), "--resume")
         self.assertNotIn("0" * 64, manifest.read_text())
 
+    def test_a_run_that_is_refused_has_no_figures_of_an_earlier_one(self):
+        claims = self.write({"claims": ["exact.steps == 20"]}, "expect.json")
+        self.compare(sheet(), "--expect", claims)
+        for change, status in (
+                ({"/forces/0/where": {"centre": [0.51, 0.5], "radius": 0.001}}, "refused"),
+                ({"/forces/0": {"plugin": "ends", "how": "exit", "when": "constructor"}}, "plugin failed")):
+            with self.subTest(status=status):
+                scene = sheet(variants=dict(sheet()["variants"], exact=change))
+                done, folder = self.compare(scene, "--expect", claims, "--resume", "--plugin-path",
+                                            FIXTURES, code=5)
+                self.assertIn("does not hold: exact.steps == 20", done.stderr)
+                run = next(run for run in self.summary(folder)["variants"] if run["name"] == "exact")
+                self.assertEqual(run["status"], status)
+                self.assertNotIn("distance", run["figures"])
+            self.compare(sheet(), "--expect", claims, "--force")
+
 
 class Changed(CompareTest):
     """What changes while a comparison runs must not be found in one run and not in another."""

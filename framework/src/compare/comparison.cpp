@@ -80,16 +80,18 @@ double surface_size(const std::vector<MeasuredRun>& measured, std::size_t refere
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-/// What there is to read of a run. One that ended for want of room on the disk may have left files
+/// What there is to read of a run. Of one that was refused there is nothing, whatever its folder
+/// holds of an earlier one. One that ended for want of room on the disk may have left files
 /// that are none: it has no states then, and says so.
 RecordedRun read_outcome(const fs::path& folder, const RunOutcome& outcome) {
+  RecordedRun nothing;
+  nothing.folder = folder;
+  if (outcome.status == "refused") return nothing;
   try {
     return read_run(folder);
   } catch (const InputError&) {
     if (outcome.status == "done") throw;
-    RecordedRun run;
-    run.folder = folder;
-    return run;
+    return nothing;
   }
 }
 

@@ -35,6 +35,9 @@ std::string text_of(const Json& object, const char* key) {
   return found != object.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
+/// Of a run that was never begun.
+constexpr const char* kRefused = "refused";
+
 /// Whether an ended run's files are those that it wrote, and its states can be read.
 bool is_whole(const fs::path& folder, const Json& manifest) {
   try {
@@ -74,9 +77,15 @@ Found look_for(const PlannedRun& run, const fs::path& folder, const Manifest& pl
   return can_go_on(run, folder, planned) ? Found::begun : Found::nothing;
 }
 
+/// Whatever an earlier comparison has left of a run: no figure of it is one of this comparison.
+void discard(const fs::path& folder) {
+  require_unheld(folder);
+  fs::remove_all(folder);
+}
+
 /// Of a run whose process came to no end of its own: a plugin may have ended it.
 const char* status_without_summary(int code) {
-  if (code == static_cast<int>(ExitCode::bad_input)) return "refused";
+  if (code == static_cast<int>(ExitCode::bad_input)) return kRefused;
   if (code == static_cast<int>(ExitCode::plugin_failed)) return status_of(ExitCode::plugin_failed);
   return "failed";
 }
@@ -175,7 +184,8 @@ class Runner {
     const PlannedRun& planned = runs_[i];
     const fs::path folder = options_.folder / planned.name;
     if (!planned.refused.empty()) {
-      return {planned.plugin_failed ? status_of(ExitCode::plugin_failed) : "refused",
+      discard(folder);
+      return {planned.plugin_failed ? status_of(ExitCode::plugin_failed) : kRefused,
               planned.refused};
     }
     Found found = Found::nothing;
@@ -186,8 +196,7 @@ class Runner {
       return outcome;
     }
     if (found == Found::nothing) {
-      require_unheld(folder);
-      fs::remove_all(folder);
+      discard(folder);
       make_run_directory(folder);
       write_atomically(folder / kManifestFile, planned_manifest());
       write_atomically(folder / "scene.json", scene_text(planned.scene, folder));
