@@ -248,6 +248,26 @@ class Held(FilesTest):
         self.assertEqual(self.load("summary.json")["steps"], 100)
 
 
+    @unittest.skipUnless(shutil.which("strace"), "strace makes a process wait at a system call")
+    def test_who_is_refused_has_removed_nothing(self):
+        """One looks whether the folder is there; before it goes on another makes and holds it."""
+        scene = self.write(sheet(duration=1e5, outputs=[], checkpoint={"every": 10}))
+        late = subprocess.Popen(
+            ["strace", "-f", "-qq", "-o", "/dev/null", "-P", str(self.out), "-e", "trace=%%stat",
+             "-e", "inject=%%stat:delay_exit=4000000:when=3", PROGRAM, "run", str(scene), "--out",
+             str(self.out)], cwd=self.folder, text=True, stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE)
+        self.addCleanup(late.kill)
+        time.sleep(1.5)
+        process = self.start("run", scene, "--out", self.out)
+        self.wait_for(self.out / "checkpoint.bin", process)
+        _, stderr = late.communicate(timeout=TIMEOUT)
+        self.assertEqual(late.returncode, 2, stderr)
+        self.assertIsNone(process.poll())
+        self.assertLessEqual({"manifest.json", "scene.json", "probes.csv", "log.txt"},
+                             {path.name for path in self.out.iterdir()})
+
+
 class Damaged(FilesTest):
     def flipped(self, path, good, rng):
         bad = bytearray(good)

@@ -79,7 +79,9 @@ Found look_for(const PlannedRun& run, const fs::path& folder, const Manifest& pl
 
 /// Whatever an earlier comparison has left of a run: no figure of it is one of this comparison.
 void discard(const fs::path& folder) {
-  require_unheld(folder);
+  std::error_code error;
+  std::optional<FolderLock> lock;
+  if (fs::is_directory(fs::symlink_status(folder, error))) lock.emplace(folder);
   fs::remove_all(folder);
 }
 

@@ -31,8 +31,7 @@ HeldFolder::HeldFolder(const fs::path& folder, FolderUse use)
 
 void HeldFolder::take() {
   if (lock_) return;
-  std::error_code error;
-  if (!fs::is_directory(folder_, error)) make_run_directory(folder_);
+  make_run_directory(folder_);
   lock_.emplace(folder_);
   if (!holds_nothing(folder_)) check_run_directory(folder_, use_ != FolderUse::made);
 }
@@ -43,7 +42,7 @@ void HeldFolder::begin_anew() {
     has_old_ = true;
     set_old_run_aside(folder_);
   } else {
-    make_run_directory(folder_);
+    empty_run_directory(folder_);
   }
 }
 

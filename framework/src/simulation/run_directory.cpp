@@ -26,15 +26,6 @@ void remove_tree(const fs::path& entry) {
   }
 }
 
-/// The manifest goes last: a folder that was emptied only half is still known as one of ours.
-void empty(const fs::path& folder) {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const fs::path name = entry.path().filename();
-    if (name != kManifestFile && name != kLockFile) remove_tree(entry.path());
-  }
-  remove_tree(folder / kManifestFile);
-}
-
 }  // namespace
 
 bool has_manifest(const fs::path& folder) {
@@ -82,15 +73,20 @@ void check_run_directory(const fs::path& folder, bool force) {
 
 void make_run_directory(const fs::path& folder) {
   std::error_code error;
-  if (fs::is_directory(folder, error)) {
-    empty(folder);
-    return;
-  }
   fs::create_directories(folder, error);
   if (error) {
     throw Error(ExitCode::internal_error,
                 fmt::format("cannot make {}: {}", folder.string(), error.message()));
   }
+}
+
+/// The manifest goes last: a folder that was emptied only half is still known as one of ours.
+void empty_run_directory(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const fs::path name = entry.path().filename();
+    if (name != kManifestFile && name != kLockFile) remove_tree(entry.path());
+  }
+  remove_tree(folder / kManifestFile);
 }
 
 }  // namespace deform
