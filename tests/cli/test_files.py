@@ -70,6 +70,21 @@ class FilesTest(RunCommand):
         self.assertEqual(content(self.out), before, "something was changed")
         return result.stderr
 
+    OTHER = 65534
+
+    def allow_another_user(self):
+        """All may write to the test's folder; only root can be another user."""
+        if os.getuid() != 0:
+            self.skipTest("needs root, to be somebody who is not")
+        self.folder.chmod(0o777)
+
+    def deform_as_another_user(self, *arguments, expect=0):
+        result = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, text=True,
+                                capture_output=True, timeout=TIMEOUT, user=self.OTHER, group=self.OTHER,
+                                extra_groups=[])
+        self.assertEqual(result.returncode, expect, result.stdout + result.stderr)
+        return result
+
     def start(self, *arguments):
         process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, text=True,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
@@ -453,6 +468,30 @@ class Kept(FilesTest):
         self.run_scene(sheet(), "--force")
         self.assertFalse((self.out / "old").exists())
         self.assertEqual([p.name for p in self.out.iterdir() if p.name.startswith(".")], [])
+
+    def test_what_cannot_be_removed_is_in_nobodys_way(self):
+        self.allow_another_user()
+        scene = self.write(sheet())
+        run = ("run", scene, "--out", self.out, "--force")
+        self.deform_as_another_user(*run)
+        locked = self.out / "vtk" / "kept"
+        locked.mkdir()
+        (locked / "file").write_text("kept")
+        for path in (locked / "file", locked):
+            os.chown(path, self.OTHER, self.OTHER)
+        locked.chmod(0o555)
+        result = self.deform_as_another_user(*run)
+        self.assertRegex(result.stderr, r"warning: .*something stays: cannot remove \S+/out/")
+        self.assertEqual(self.load("summary.json")["status"], "done")
+        gone = self.out / ".deform-old-gone"
+        self.assertTrue((gone / "vtk" / "kept" / "file").exists())
+        # It can be used as ever, and goes when it can be removed.
+        self.deform_as_another_user(*run)
+        self.deform_as_another_user("run", scene, "--out", self.out, "--resume", "--set", "/duration=0.3")
+        self.assertEqual([path.name for path in self.out.glob(".deform-old*")], [gone.name])
+        (gone / "vtk" / "kept").chmod(0o755)
+        self.deform_as_another_user("report", self.out)
+        self.assertEqual(list(self.out.glob(".deform-*")), [])
 
     def test_killed_before_its_first_step(self):
         self.run_scene(sheet())

@@ -33,6 +33,7 @@ void HeldFolder::take() {
   if (lock_) return;
   make_run_directory(folder_);
   lock_.emplace(folder_);
+  give_old_run_back(folder_);
   if (!holds_nothing(folder_)) check_run_directory(folder_, use_ != FolderUse::made);
 }
 

@@ -40,7 +40,9 @@ bool holds_nothing(const fs::path& folder) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const fs::path name = entry.path().filename();
-    if (name != std::string(kManifestFile) + ".part" && name != kLockFile) return false;
+    const bool is_nothing =
+        name == std::string(kManifestFile) + ".part" || name == kLockFile || is_given_up(name);
+    if (!is_nothing) return false;
   }
   if (error)
     throw InputError(fmt::format("cannot look into '{}': {}", folder.string(), error.message()));
@@ -84,7 +86,7 @@ void make_run_directory(const fs::path& folder) {
 void empty_run_directory(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const fs::path name = entry.path().filename();
-    if (name != kManifestFile && name != kLockFile) remove_tree(entry.path());
+    if (name != kManifestFile && name != kLockFile && !is_given_up(name)) remove_tree(entry.path());
   }
   remove_tree(folder / kManifestFile);
 }

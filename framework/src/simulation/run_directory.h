@@ -20,8 +20,9 @@ void make_run_directory(const std::filesystem::path& folder);
 /// empties it holds it). Throws Error when it cannot.
 void empty_run_directory(const std::filesystem::path& folder);
 
-/// True where a folder has nothing in it but its lock, or what a run that was killed while it wrote
-/// its first file has left. Throws InputError when one cannot look into it.
+/// True where a folder has nothing in it but its lock, what a run that was killed while it wrote
+/// its first file has left, or what could not be removed of an old run (is_given_up). Throws
+/// InputError when one cannot look into it.
 [[nodiscard]] bool holds_nothing(const std::filesystem::path& folder);
 
 /// True for a folder with a manifest.json that deform wrote.
