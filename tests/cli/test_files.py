@@ -469,6 +469,22 @@ class Kept(FilesTest):
         self.assertFalse((self.out / "old").exists())
         self.assertEqual([p.name for p in self.out.iterdir() if p.name.startswith(".")], [])
 
+    def test_resumed_without_a_checkpoint(self):
+        """It begins anew; what is there goes with the first step only."""
+        fails = {"plugin": "throws", "what": "std", "step": 0.02}
+        scene = self.write(sheet(outputs=[], variants={}, duration=1e5, integrator=fails))
+        self.out.mkdir()
+        (self.out / "manifest.json").write_text('{"program": "deform", "status": "running"}')
+        completed = self.deform("run", scene, "--out", self.folder / "x", "--plugin-path", FIXTURES)
+        self.assertEqual(completed.returncode, 4, completed.stderr)
+        shutil.copy(self.folder / "x" / "scene.json", self.out)
+        (self.out / "probes.csv").write_text("hours of work")
+        before = content(self.out)
+        result = self.deform("run", scene, "--out", self.out, "--resume", "--plugin-path", FIXTURES)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        self.assertIn("stays", result.stderr)
+        self.assertEqual(content(self.out), before)
+
     def test_what_cannot_be_removed_is_in_nobodys_way(self):
         self.allow_another_user()
         scene = self.write(sheet())

@@ -52,11 +52,11 @@ bool is_whole(const fs::path& folder, const Json& manifest) {
 /// What a run directory has of a planned run.
 enum class Found : std::uint8_t { nothing, begun, complete };
 
-/// Whether the run's own process would go on from what is there rather than refuse it.
+/// Whether the run's own process would go on from what is there rather than refuse it, or begin
+/// anew.
 bool can_go_on(const PlannedRun& run, const fs::path& folder, const Manifest& planned) {
   try {
-    (void)look_for_run(folder, run.scene, planned);
-    return true;
+    return look_for_run(folder, run.scene, planned).checkpoint.has_value();
   } catch (const Error&) {
     return false;
   }

@@ -37,9 +37,9 @@ void HeldFolder::take() {
   if (!holds_nothing(folder_)) check_run_directory(folder_, use_ != FolderUse::made);
 }
 
-void HeldFolder::begin_anew() {
+void HeldFolder::begin_anew(bool is_worth_keeping) {
   take();
-  if (use_ == FolderUse::replaced && !holds_nothing(folder_)) {
+  if (is_worth_keeping && !holds_nothing(folder_)) {
     has_old_ = true;
     set_old_run_aside(folder_);
   } else {
