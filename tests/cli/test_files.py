@@ -253,6 +253,25 @@ class Held(FilesTest):
         process.communicate(timeout=TIMEOUT)
         self.assertEqual(process.returncode, 130)
 
+    def test_a_folder_within_which_another_process_works_is_not_replaced(self):
+        scene = self.write(sheet(outputs=[]))
+        self.run_part(scene)
+        inner = self.out / "inner"
+        long = self.write(sheet(duration=1e5, outputs=[], checkpoint={"every": 10}), "long.json")
+        process = self.start("run", long, "--out", inner)
+        self.wait_for(inner / "checkpoint.bin", process)
+        for command in ("run", "compare"):
+            self.assert_refused(process, command, scene, "--out", self.out, "--force")
+            self.assertEqual(self.load("summary.json")["status"], "done")
+            self.assertEqual(list(self.out.glob(".deform-*")), [])
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        _, stderr = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 130, stderr)
+        self.assertTrue((inner / "summary.json").exists())
+        self.run_part(scene, "--force")
+        self.assertFalse(inner.exists())
+
     def test_of_two_that_begin_at_once_one_runs(self):
         scene = self.write(sheet(duration=2.0))
         both = [self.start("run", scene, "--out", self.out, "--quiet") for _ in range(2)]

@@ -82,6 +82,7 @@ void discard(const fs::path& folder) {
   std::error_code error;
   std::optional<FolderLock> lock;
   if (fs::is_directory(fs::symlink_status(folder, error))) lock.emplace(folder);
+  if (lock) require_unheld_within(folder);
   fs::remove_all(folder);
 }
 
@@ -190,6 +191,7 @@ class Runner {
       return {planned.plugin_failed ? status_of(ExitCode::plugin_failed) : kRefused,
               planned.refused};
     }
+    require_unheld(folder);
     Found found = Found::nothing;
     if (options_.resume) found = look_for(planned, folder, *manifests_[i]);
     if (found == Found::complete) {

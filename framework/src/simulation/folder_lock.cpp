@@ -105,4 +105,17 @@ void require_unheld(const fs::path& folder) {
   ::close(descriptor);
 }
 
+void require_unheld_within(const fs::path& folder) {
+  constexpr auto kOptions = fs::directory_options::skip_permission_denied;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, kOptions, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry.depth() > 0 && entry->path().filename() == kLockFile)
+      require_unheld(entry->path().parent_path());
+  }
+  if (error)
+    throw Error(ExitCode::internal_error,
+                fmt::format("cannot look into {}: {}", folder.string(), error.message()));
+}
+
 }  // namespace deform

@@ -98,6 +98,7 @@ bool has_old_run(const fs::path& folder) {
 }
 
 void set_old_run_aside(const fs::path& folder) {
+  require_unheld_within(folder);
   std::error_code error;
   fs::create_directory(folder / kMoving, error);
   require(error, "make", folder / kMoving);
@@ -108,6 +109,7 @@ void set_old_run_aside(const fs::path& folder) {
 
 void give_old_run_back(const fs::path& folder) {
   if (is_there(folder / kAside)) {
+    require_unheld_within(folder);
     for (const fs::path& name : entries(folder, false)) remove_entry(folder / name);
     move_entry(folder / kAside, folder / kMoving);
   }

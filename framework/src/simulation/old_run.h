@@ -6,12 +6,14 @@
 
 namespace deform {
 
-/// Sets aside whatever the folder holds, but its lock. Throws Error when it cannot.
+/// Sets aside whatever the folder holds, but its lock. Throws Error when it cannot; InputError, and
+/// changes nothing, where another process works in a folder within.
 void set_old_run_aside(const std::filesystem::path& folder);
 
 /// Removes what is new in the folder, and puts what was set aside in its place; nothing where
 /// nothing was; removes what an earlier drop_old_run has left, where that can be removed. Throws
-/// Error when something cannot be put back: calling it again goes on.
+/// Error when something cannot be put back: calling it again goes on; InputError where another
+/// process works in a folder within what is to go.
 void give_old_run_back(const std::filesystem::path& folder);
 
 /// Removes what was set aside; what of it cannot be removed stays under another name, in nobody's

@@ -84,6 +84,7 @@ void make_run_directory(const fs::path& folder) {
 
 /// The manifest goes last: a folder that was emptied only half is still known as one of ours.
 void empty_run_directory(const fs::path& folder) {
+  require_unheld_within(folder);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const fs::path name = entry.path().filename();
     if (name != kManifestFile && name != kLockFile && !is_given_up(name)) remove_tree(entry.path());

@@ -17,7 +17,8 @@ void check_run_directory(const std::filesystem::path& folder, bool force);
 void make_run_directory(const std::filesystem::path& folder);
 
 /// Removes all that a folder holds but its lock (check_run_directory comes first, and whoever
-/// empties it holds it). Throws Error when it cannot.
+/// empties it holds it). Throws Error when it cannot; InputError where another process works in a
+/// folder within.
 void empty_run_directory(const std::filesystem::path& folder);
 
 /// True where a folder has nothing in it but its lock, what a run that was killed while it wrote
