@@ -253,6 +253,18 @@ class Held(FilesTest):
         process.communicate(timeout=TIMEOUT)
         self.assertEqual(process.returncode, 130)
 
+    def test_another_user_sees_who_has_it(self):
+        self.allow_another_user()
+        scene = self.write(sheet(duration=1e5, outputs=[], checkpoint={"every": 10}))
+        process = self.start("run", scene, "--out", self.out)
+        self.wait_for(self.out / "checkpoint.bin", process)
+        self.out.chmod(0o777)
+        for arguments in (("report", self.out), ("run", scene, "--out", self.out, "--force"),
+                          ("compare", scene, "--out", self.out, "--force")):
+            result = self.deform_as_another_user(*arguments, expect=2)
+            self.assertIn(f"process {process.pid} on ", result.stderr)
+        self.assertIsNone(process.poll())
+
     def test_a_folder_within_which_another_process_works_is_not_replaced(self):
         scene = self.write(sheet(outputs=[]))
         self.run_part(scene)

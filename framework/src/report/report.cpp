@@ -53,6 +53,7 @@ std::size_t room(const ReportSource& source, const ReportPage& page) {
 }  // namespace
 
 fs::path write_report(const fs::path& folder) {
+  require_unheld(folder);
   std::error_code error;
   std::optional<FolderLock> lock;
   if (fs::is_directory(folder, error) && (has_manifest(folder) || has_old_run(folder))) {

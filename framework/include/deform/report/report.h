@@ -13,7 +13,7 @@ namespace deform {
 
 /// Writes report.html into a run or comparison directory, from nothing but what the directory holds
 /// (docs/report-format.md), all at once. Returns the file. Throws InputError when the folder is
-/// neither, or the page to fill in is not found.
+/// neither, a process works in it, or the page to fill in is not found.
 DEFORM_API std::filesystem::path write_report(const std::filesystem::path& folder);
 
 /// Writes report.png, a contact sheet (variants × moments) as the page itself draws it, with a
