@@ -230,7 +230,9 @@ class Failures(CompareTest):
     def test_folder_is_not_replaced(self):
         _, folder = self.compare(sheet())
         self.compare(sheet(), code=2)
-        self.compare(sheet(), "--force")
+        done, _ = self.compare(sheet(), "--force")
+        self.assertEqual(done.stderr, "")
+        self.assertEqual(list(folder.glob(".*")), [])
         other = self.folder / "mine"
         other.mkdir()
         (other / "letter.txt").write_text("mine")

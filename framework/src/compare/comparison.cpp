@@ -25,6 +25,7 @@
 #include "simulation/files.h"
 #include "simulation/held_folder.h"
 #include "simulation/json_file.h"
+#include "simulation/old_run.h"
 #include "simulation/run_directory.h"
 #include "simulation/run_parts.h"
 
@@ -102,7 +103,7 @@ std::vector<std::string> left_over(const fs::path& folder, const ComparisonPlan&
     std::string name = entry.path().filename().string();
     const bool is_planned =
         std::ranges::find(plan.runs, name, &PlannedRun::name) != plan.runs.end();
-    if (!is_planned && entry.is_directory() && has_manifest(entry.path()))
+    if (!is_planned && !is_of_old_run(name) && entry.is_directory() && has_manifest(entry.path()))
       names.push_back(std::move(name));
   }
   std::ranges::sort(names);
