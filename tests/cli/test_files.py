@@ -693,6 +693,26 @@ class Refusals(FilesTest):
         (self.out / "manifest.json").write_text("{ broken")
         self.refuse("compare", scene, "--out", self.out, "--resume", words=["comparison"])
 
+    def test_a_report_reads_nothing_outside_of_its_folder(self):
+        scene = self.write(sheet(outputs=[], title="of somebody else"))
+        self.run_part(scene)
+        comparison = self.out / "c"
+        scene = self.write(sheet(outputs=[], variants={}))
+        self.assertEqual(self.deform("compare", scene, "--out", comparison).returncode, 0)
+        good = (comparison / "summary.json").read_text()
+        shutil.move(comparison / "base", self.folder / "elsewhere")
+        (comparison / "link").symlink_to(self.folder / "elsewhere")
+        for name in ("..", ".", "", "../../out", "link", "/"):
+            with self.subTest(name=name):
+                summary = json.loads(good)
+                summary["variants"][0]["folder"] = name
+                (comparison / "summary.json").write_text(json.dumps(summary))
+                self.assertEqual(self.deform("report", comparison).returncode, 0)
+                page = (comparison / "report.html").read_text()
+                self.assertIn("nothing is shown of", page)
+                self.assertNotIn("of somebody else", page)
+                self.assertNotIn('"peak_memory_MB"', page.split('"manifest":')[1])
+
     def test_names(self):
         scene = self.write(sheet())
         self.refuse("run", "", words=["names no file"])

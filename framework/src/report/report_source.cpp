@@ -71,12 +71,27 @@ ReportSource read_run_source(const fs::path& folder, const Json& manifest) {
   return source;
 }
 
-ReportVariant compared_variant(const fs::path& folder, const Json& said) {
+/// "", or why a name that a summary says is none of a folder within the comparison's: a summary
+/// that somebody wrote must not make the report read files from elsewhere.
+std::string outside(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  if (name.empty() || name == "." || name == ".." || fs::path(name).filename() != name)
+    return fmt::format("summary.json names its folder \"{}\", which is none within '{}'", name,
+                       folder.string());
+  if (fs::is_symlink(fs::symlink_status(folder / name, error)))
+    return fmt::format("{} is a link, out of the comparison directory", (folder / name).string());
+  return "";
+}
+
+ReportVariant compared_variant(const fs::path& folder, const Json& said,
+                               std::vector<std::string>& notes) {
   ReportVariant variant;
   variant.name = text_of(said, "name");
-  // A summary that somebody wrote must not make the report read files from elsewhere.
-  const fs::path name = fs::path(text_of(said, "folder", variant.name)).filename();
-  variant.folder = folder / name;
+  const std::string name = text_of(said, "folder", variant.name);
+  if (const std::string why = outside(folder, name); why.empty())
+    variant.folder = folder / name;
+  else
+    notes.push_back(fmt::format("nothing is shown of \"{}\": {}", variant.name, why));
   variant.status = text_of(said, "status", "failed");
   variant.reason = text_of(said, "reason");
   variant.changes = value_of(said, "changes", Json::array());
@@ -97,7 +112,7 @@ ReportSource read_comparison_source(const fs::path& folder, const Json& summary,
   source.tolerance = value_of(summary, "tolerance");
   source.verdict = value_of(summary, "verdict");
   for (const Json& said : value_of(summary, "variants", Json::array())) {
-    if (said.is_object()) source.variants.push_back(compared_variant(folder, said));
+    if (said.is_object()) source.variants.push_back(compared_variant(folder, said, source.notes));
   }
   const bool is_one = std::ranges::any_of(
       source.variants, [&](const ReportVariant& v) { return source.reference == v.name; });
@@ -138,7 +153,8 @@ ReportSource read_report_source(const fs::path& folder) {
   }
   ReportSource source = is_comparison ? read_comparison_source(folder, summary, manifest)
                                       : read_run_source(folder, manifest);
-  for (ReportVariant& variant : source.variants) add_recorded(variant, source.notes);
+  for (ReportVariant& variant : source.variants)
+    if (!variant.folder.empty()) add_recorded(variant, source.notes);
   return source;
 }
 

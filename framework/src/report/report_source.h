@@ -15,7 +15,7 @@ namespace deform {
 
 struct ReportVariant {
   std::string name;
-  std::filesystem::path folder;
+  std::filesystem::path folder;  ///< empty: there is none to look into
   std::string status, reason;
   Json changes = Json::array();  ///< against the base scene
   Json dropped = Json::array();  ///< pointers of parameters that a changed plugin does not have

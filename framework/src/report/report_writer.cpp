@@ -306,7 +306,8 @@ Json cost_of(const Json& manifest) {
 void ReportWriter::write_variant(const ReportVariant& variant,
                                  std::optional<VariantFrames>& frames) {
   std::vector<std::string> said_before;  // read_report_source has noted it
-  RecordedRun run = read_variant(variant.folder, said_before);
+  RecordedRun run;
+  if (!variant.folder.empty()) run = read_variant(variant.folder, said_before);
   if (variant.is_damaged) run.probes = {};
   json_.begin('{');
   json_.member("name", variant.name);
