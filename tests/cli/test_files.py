@@ -372,6 +372,40 @@ class Damaged(FilesTest):
             self.assertEqual(path.read_bytes(), good)
             self.assertEqual((self.out / "comparison.csv").read_bytes(), csv)
 
+    def shown(self):
+        """The data of the report's page, and what was said."""
+        result = self.deform("report", self.out)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        page = (self.out / "report.html").read_text()
+        data = page.split('<script id="deform-data" type="application/json">')[1]
+        return json.loads(data.split("</script>")[0]), result.stderr
+
+    def test_a_report_says_what_it_lacks(self):
+        scene = self.write(sheet(outputs=[], variants={}))
+        self.run_part(scene)
+        data, said = self.shown()
+        self.assertEqual((len(data["variants"][0]["probes"]["rows"]), said), (11, ""))
+        for name, change, has_probes, has_shape in (
+                ("trajectory.bin", lambda p: os.truncate(p, 3000), True, False),
+                ("trajectory.bin", lambda p: os.truncate(p, 10), True, False),
+                ("trajectory.bin", Path.unlink, True, False),
+                ("probes.csv", Path.unlink, False, True),
+                ("probes.csv", lambda p: self.change_byte(p, 200), False, True),
+                ("summary.json", Path.unlink, False, True),
+                ("scene.json", Path.unlink, True, True)):
+            path = self.out / name
+            good = path.read_bytes()
+            change(path)
+            with self.subTest(name=name):
+                data, said = self.shown()
+                self.assertIn("warning: nothing is shown of ", said)
+                self.assertIn(str(path), said)
+                self.assertTrue(any(str(path) in note for note in data["notes"]), data["notes"])
+                variant, = data["variants"]
+                self.assertEqual((len(variant["probes"]["rows"]) > 0, variant["frames"] > 0),
+                                 (has_probes, has_shape))
+            path.write_bytes(good)
+
     def test_flipped_bits_in_a_checkpoint(self):
         scene = self.scene_with_files()
         self.run_part(scene, "--set", "/duration=0.1")

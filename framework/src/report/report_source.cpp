@@ -36,14 +36,19 @@ std::string readable(std::string time) {
 /// What a run has not written itself is not shown as its result.
 void add_recorded(ReportVariant& variant, std::vector<std::string>& notes) {
   RecordedRun run = read_variant(variant.folder, notes);
-  if (const std::string why = damaged_result(variant.folder, run.manifest); !why.empty()) {
-    notes.push_back(fmt::format("nothing is shown of {}: {}", variant.folder.string(), why));
-    variant.is_damaged = true;
-    return;
+  bool has_states = true;
+  for (const DamagedResult& damaged : damaged_results(variant.folder, run.manifest)) {
+    notes.push_back(fmt::format("nothing is shown of {}: {}",
+                                (variant.folder / damaged.file).string(), damaged.why));
+    if (damaged.file == kTrajectoryFile || damaged.file.empty()) has_states = false;
+    // The names of the columns are those of the summary.
+    if (damaged.file != kTrajectoryFile) variant.has_probes = false;
   }
-  variant.probe_rows = run.probes.moments.size();
-  variant.probe_columns = run.probes.names.size() + 2;
-  if (run.trajectory) {
+  if (variant.has_probes) {
+    variant.probe_rows = run.probes.moments.size();
+    variant.probe_columns = run.probes.names.size() + 2;
+  }
+  if (run.trajectory && has_states) {
     variant.moments = run.trajectory->moments();
     variant.fields = run.trajectory->fields();
   }
@@ -67,6 +72,10 @@ ReportSource read_run_source(const fs::path& folder, const Json& manifest) {
   source.title = text_of(manifest, "title", "run");
   source.created = readable(text_of(manifest, "started"));
   source.scene = read_json_object(folder / "scene.json");
+  if (source.scene.is_null())
+    source.notes.push_back(
+        fmt::format("nothing is shown of the scene: {} is not there, or no scene",
+                    (folder / "scene.json").string()));
   source.variants.push_back(single_variant(folder, manifest));
   return source;
 }
@@ -123,14 +132,23 @@ ReportSource read_comparison_source(const fs::path& folder, const Json& summary,
 }  // namespace
 
 RecordedRun read_variant(const fs::path& folder, std::vector<std::string>& notes) {
-  try {
-    return read_run(folder);
-  } catch (const InputError& e) {
+  const auto note = [&](const InputError& e) {
     notes.push_back(fmt::format("nothing is shown of {}: {}", folder.string(), e.what()));
-  }
+  };
   RecordedRun run;
-  run.folder = folder;
-  run.manifest = read_json_object(folder / "manifest.json");
+  try {
+    run = read_tables(folder);
+  } catch (const InputError& e) {
+    note(e);
+    run.folder = folder;
+    run.manifest = read_json_object(folder / "manifest.json");
+    return run;
+  }
+  try {
+    open_trajectory(run);
+  } catch (const InputError& e) {
+    note(e);
+  }
   return run;
 }
 
