@@ -440,6 +440,26 @@ class Resume(CompareTest):
             self.compare(sheet(), "--expect", claims, "--force")
 
 
+class Killed(CompareTest):
+    def test_a_run_that_a_signal_ends_is_no_result(self):
+        scene = self.write(sheet(duration=400.0, variants={"other": {"/energies/1/xi": 2e-6}}))
+        folder = self.folder / "c"
+        process = subprocess.Popen([PROGRAM, "compare", scene, "--out", folder], text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(process.kill)
+        for name in ("base", "other"):
+            while not (folder / name / "probes.csv").exists():
+                self.assertIsNone(process.poll(), "it ended by itself")
+                time.sleep(0.001)
+            holder = (folder / name / ".deform-lock").read_text()
+            os.kill(int(re.match(r"process (\d+) ", holder)[1]), signal.SIGKILL)
+        _, stderr = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 1, stderr)
+        for name in ("base", "other"):
+            self.assertIn(f"{name}: the program was killed by signal 9 (Killed)", stderr)
+        self.assertEqual([run["status"] for run in self.summary(folder)["variants"]], ["crashed"] * 2)
+
+
 class Changed(CompareTest):
     """What changes while a comparison runs must not be found in one run and not in another."""
 

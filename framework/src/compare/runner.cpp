@@ -96,7 +96,9 @@ const char* status_without_summary(int code) {
 RunOutcome outcome_of(const fs::path& folder, const ChildExit& exit) {
   RunOutcome outcome;
   const Json summary = read_json_object(folder / "summary.json");
-  outcome.is_failure = exit.code == static_cast<int>(ExitCode::internal_error);
+  // What plugins do to their process ends it with a code: a signal is somebody else's, who wants
+  // the memory, say.
+  outcome.is_failure = exit.signal != 0 || exit.code == static_cast<int>(ExitCode::internal_error);
   if (exit.signal != 0) {
     outcome.status = "crashed";
     outcome.reason = fmt::format("the program was killed by signal {} ({})", exit.signal,

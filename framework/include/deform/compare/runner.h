@@ -33,10 +33,11 @@ struct RunnerOptions {
 
 /// How a run ended, as a comparison tells it.
 struct RunOutcome {
-  std::string status;       ///< of summary.json ("done", "diverged", …), "refused" or "crashed"
-  std::string reason;       ///< empty when done
-  bool reused = false;      ///< was there already
-  bool is_failure = false;  ///< not of the simulation: a file could not be written, say
+  std::string status;   ///< of summary.json ("done", "diverged", …), "refused" or "crashed"
+  std::string reason;   ///< empty when done
+  bool reused = false;  ///< was there already
+  /// Not of the simulation: a file could not be written, or a signal killed the process, say.
+  bool is_failure = false;
 };
 
 /// Runs what is not there yet; one outcome a run, in their order. Throws Error when a process
