@@ -42,7 +42,8 @@ struct RunOutcome {
 
 /// Runs what is not there yet; one outcome a run, in their order. Throws Error when a process
 /// cannot be started or a folder not be written; with ExitCode::interrupted when it was
-/// interrupted.
+/// interrupted; InputError, which names the run and what changed, where a run was not made with the
+/// files, plugins and program that were there before the first one.
 [[nodiscard]] DEFORM_API std::vector<RunOutcome> execute_runs(const std::vector<PlannedRun>& runs,
                                                               const PluginRegistry& registry,
                                                               const RunnerOptions& options);
