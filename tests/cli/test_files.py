@@ -380,6 +380,15 @@ class Damaged(FilesTest):
             self.assertEqual(path.read_bytes(), good)
             self.assertEqual((self.out / "comparison.csv").read_bytes(), csv)
 
+    def test_a_report_says_which_run_is_gone(self):
+        scene = self.write(sheet(outputs=[]))
+        self.assertEqual(self.deform("compare", scene, "--out", self.out).returncode, 0)
+        self.assertEqual(self.shown(self.out)[1], "")
+        shutil.rmtree(self.out / "heavy")
+        data, said = self.shown(self.out)
+        self.assertIn(f"warning: nothing is known of what {self.out / 'heavy'} held", said)
+        self.assertEqual([variant["frames"] > 0 for variant in data["variants"]], [True, False])
+
     def test_a_report_says_what_it_lacks(self):
         scene = self.write(sheet(outputs=[], variants={}))
         self.run_part(scene)

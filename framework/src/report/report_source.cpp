@@ -36,6 +36,10 @@ std::string readable(std::string time) {
 /// What a run has not written itself is not shown as its result.
 void add_recorded(ReportVariant& variant, std::vector<std::string>& notes) {
   RecordedRun run = read_variant(variant.folder, notes);
+  // One that came to a result has left its manifest, by which the other files are known.
+  if ((variant.status == "done" || variant.status == "diverged") && run.manifest.is_null())
+    notes.push_back(fmt::format("nothing is known of what {} held: its {} is not there",
+                                variant.folder.string(), kManifestFile));
   bool has_states = true;
   for (const DamagedResult& damaged : damaged_results(variant.folder, run.manifest)) {
     notes.push_back(fmt::format("nothing is shown of {}: {}",
