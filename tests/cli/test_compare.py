@@ -230,7 +230,9 @@ class Failures(CompareTest):
     def test_folder_is_not_replaced(self):
         _, folder = self.compare(sheet())
         self.compare(sheet(), code=2)
-        self.compare(sheet(), "--force")
+        done, _ = self.compare(sheet(), "--force")
+        self.assertEqual(done.stderr, "")
+        self.assertEqual(list(folder.glob(".*")), [])
         other = self.folder / "mine"
         other.mkdir()
         (other / "letter.txt").write_text("mine")
@@ -420,6 +422,91 @@ class Resume(CompareTest):
         manifest.write_text(json.dumps(content))
         self.compare(sheet(), "--resume")
         self.assertNotIn("0" * 64, manifest.read_text())
+
+    def test_a_run_that_is_refused_has_no_figures_of_an_earlier_one(self):
+        claims = self.write({"claims": ["exact.steps == 20"]}, "expect.json")
+        self.compare(sheet(), "--expect", claims)
+        for change, status in (
+                ({"/forces/0/where": {"centre": [0.51, 0.5], "radius": 0.001}}, "refused"),
+                ({"/forces/0": {"plugin": "ends", "how": "exit", "when": "constructor"}}, "plugin failed")):
+            with self.subTest(status=status):
+                scene = sheet(variants=dict(sheet()["variants"], exact=change))
+                done, folder = self.compare(scene, "--expect", claims, "--resume", "--plugin-path",
+                                            FIXTURES, code=5)
+                self.assertIn("does not hold: exact.steps == 20", done.stderr)
+                run = next(run for run in self.summary(folder)["variants"] if run["name"] == "exact")
+                self.assertEqual(run["status"], status)
+                self.assertNotIn("distance", run["figures"])
+            self.compare(sheet(), "--expect", claims, "--force")
+
+
+class Killed(CompareTest):
+    def test_a_run_that_a_signal_ends_is_no_result(self):
+        scene = self.write(sheet(duration=400.0, variants={"other": {"/energies/1/xi": 2e-6}}))
+        folder = self.folder / "c"
+        process = subprocess.Popen([PROGRAM, "compare", scene, "--out", folder], text=True,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        self.addCleanup(process.kill)
+        for name in ("base", "other"):
+            while not (folder / name / "probes.csv").exists():
+                self.assertIsNone(process.poll(), "it ended by itself")
+                time.sleep(0.001)
+            holder = (folder / name / ".deform-lock").read_text()
+            os.kill(int(re.match(r"process (\d+) ", holder)[1]), signal.SIGKILL)
+        _, stderr = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 1, stderr)
+        for name in ("base", "other"):
+            self.assertIn(f"{name}: the program was killed by signal 9 (Killed)", stderr)
+        self.assertEqual([run["status"] for run in self.summary(folder)["variants"]], ["crashed"] * 2)
+
+
+class Changed(CompareTest):
+    """What changes while a comparison runs must not be found in one run and not in another."""
+
+    def start_and_change(self, scene, change, *arguments):
+        """Changes something while the first run goes on; returns what the comparison said."""
+        folder = self.folder / "c"
+        process = subprocess.Popen([PROGRAM, "compare", self.write(scene), "--out", folder, *arguments],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.kill)
+        while not (folder / "base" / "probes.csv").exists():
+            self.assertIsNone(process.poll(), "it ended by itself")
+            time.sleep(0.001)
+        change()
+        _, stderr = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 2, stderr)
+        self.assertFalse((folder / "summary.json").exists())
+        return stderr
+
+    def scene(self, **changes):
+        return sheet(duration=40.0, variants={"other": {"/energies/1/xi": 2e-6}}, **changes)
+
+    def test_a_file_of_the_scene(self):
+        eta = self.folder / "eta.txt"
+        eta.write_text("0.01 0.01\n0.01 0.01\n")
+        scene = self.scene()
+        scene["energies"][0]["eta"] = {"map": "eta.txt"}
+        for text in ("0.01 0.01\n0.01 0.02\n", "no numbers\n"):
+            with self.subTest(text=text):
+                stderr = self.start_and_change(scene, lambda: eta.write_text(text), "--force")
+                self.assertIn("run other: files changed while the comparison ran", stderr)
+                self.assertIn(str(eta), stderr)
+            eta.write_text("0.01 0.01\n0.01 0.01\n")
+            shutil.rmtree(self.folder / "c")
+
+    def test_a_plugin(self):
+        plugins = self.folder / "plugins"
+        plugins.mkdir()
+        library = plugins / "integrator-two_step.so"
+        shutil.copy(Path(FIXTURES) / library.name, library)
+
+        def replace():
+            (self.folder / "new").write_bytes(library.read_bytes() + b"another build")
+            os.replace(self.folder / "new", library)
+
+        scene = self.scene(integrator={"plugin": "two_step", "step": 0.02})
+        stderr = self.start_and_change(scene, replace, "--plugin-path", plugins)
+        self.assertIn(str(library), stderr)
 
 
 class Expect(CompareTest):

@@ -70,6 +70,21 @@ class FilesTest(RunCommand):
         self.assertEqual(content(self.out), before, "something was changed")
         return result.stderr
 
+    OTHER = 65534
+
+    def allow_another_user(self):
+        """All may write to the test's folder; only root can be another user."""
+        if os.getuid() != 0:
+            self.skipTest("needs root, to be somebody who is not")
+        self.folder.chmod(0o777)
+
+    def deform_as_another_user(self, *arguments, expect=0):
+        result = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, text=True,
+                                capture_output=True, timeout=TIMEOUT, user=self.OTHER, group=self.OTHER,
+                                extra_groups=[])
+        self.assertEqual(result.returncode, expect, result.stdout + result.stderr)
+        return result
+
     def start(self, *arguments):
         process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, text=True,
                                    stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
@@ -83,6 +98,14 @@ class FilesTest(RunCommand):
             self.assertIsNone(process.poll(), "it ended by itself")
             self.assertLess(time.monotonic(), deadline)
             time.sleep(0.005)
+
+    def shown(self, folder):
+        """The data of the report's page, and what was said."""
+        result = self.deform("report", folder)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        page = (folder / "report.html").read_text()
+        data = page.split('<script id="deform-data" type="application/json">')[1]
+        return json.loads(data.split("</script>")[0]), result.stderr
 
 
 class ChangedFiles(FilesTest):
@@ -238,6 +261,37 @@ class Held(FilesTest):
         process.communicate(timeout=TIMEOUT)
         self.assertEqual(process.returncode, 130)
 
+    def test_another_user_sees_who_has_it(self):
+        self.allow_another_user()
+        scene = self.write(sheet(duration=1e5, outputs=[], checkpoint={"every": 10}))
+        process = self.start("run", scene, "--out", self.out)
+        self.wait_for(self.out / "checkpoint.bin", process)
+        self.out.chmod(0o777)
+        for arguments in (("report", self.out), ("run", scene, "--out", self.out, "--force"),
+                          ("compare", scene, "--out", self.out, "--force")):
+            result = self.deform_as_another_user(*arguments, expect=2)
+            self.assertIn(f"process {process.pid} on ", result.stderr)
+        self.assertIsNone(process.poll())
+
+    def test_a_folder_within_which_another_process_works_is_not_replaced(self):
+        scene = self.write(sheet(outputs=[]))
+        self.run_part(scene)
+        inner = self.out / "inner"
+        long = self.write(sheet(duration=1e5, outputs=[], checkpoint={"every": 10}), "long.json")
+        process = self.start("run", long, "--out", inner)
+        self.wait_for(inner / "checkpoint.bin", process)
+        for command in ("run", "compare"):
+            self.assert_refused(process, command, scene, "--out", self.out, "--force")
+            self.assertEqual(self.load("summary.json")["status"], "done")
+            self.assertEqual(list(self.out.glob(".deform-*")), [])
+        self.assertIsNone(process.poll())
+        process.send_signal(signal.SIGINT)
+        _, stderr = process.communicate(timeout=TIMEOUT)
+        self.assertEqual(process.returncode, 130, stderr)
+        self.assertTrue((inner / "summary.json").exists())
+        self.run_part(scene, "--force")
+        self.assertFalse(inner.exists())
+
     def test_of_two_that_begin_at_once_one_runs(self):
         scene = self.write(sheet(duration=2.0))
         both = [self.start("run", scene, "--out", self.out, "--quiet") for _ in range(2)]
@@ -246,6 +300,26 @@ class Held(FilesTest):
         self.assertEqual(sorted(process.returncode for process in both), [0, 2])
         self.assertEqual(self.load("manifest.json")["status"], "done")
         self.assertEqual(self.load("summary.json")["steps"], 100)
+
+
+    @unittest.skipUnless(shutil.which("strace"), "strace makes a process wait at a system call")
+    def test_who_is_refused_has_removed_nothing(self):
+        """One looks whether the folder is there; before it goes on another makes and holds it."""
+        scene = self.write(sheet(duration=1e5, outputs=[], checkpoint={"every": 10}))
+        late = subprocess.Popen(
+            ["strace", "-f", "-qq", "-o", "/dev/null", "-P", str(self.out), "-e", "trace=%%stat",
+             "-e", "inject=%%stat:delay_exit=4000000:when=3", PROGRAM, "run", str(scene), "--out",
+             str(self.out)], cwd=self.folder, text=True, stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE)
+        self.addCleanup(late.kill)
+        time.sleep(1.5)
+        process = self.start("run", scene, "--out", self.out)
+        self.wait_for(self.out / "checkpoint.bin", process)
+        _, stderr = late.communicate(timeout=TIMEOUT)
+        self.assertEqual(late.returncode, 2, stderr)
+        self.assertIsNone(process.poll())
+        self.assertLessEqual({"manifest.json", "scene.json", "probes.csv", "log.txt"},
+                             {path.name for path in self.out.iterdir()})
 
 
 class Damaged(FilesTest):
@@ -305,6 +379,41 @@ class Damaged(FilesTest):
             self.assert_no_crash(self.deform("compare", scene, "--out", self.out, "--resume"), 0)
             self.assertEqual(path.read_bytes(), good)
             self.assertEqual((self.out / "comparison.csv").read_bytes(), csv)
+
+    def test_a_report_says_which_run_is_gone(self):
+        scene = self.write(sheet(outputs=[]))
+        self.assertEqual(self.deform("compare", scene, "--out", self.out).returncode, 0)
+        self.assertEqual(self.shown(self.out)[1], "")
+        shutil.rmtree(self.out / "heavy")
+        data, said = self.shown(self.out)
+        self.assertIn(f"warning: nothing is known of what {self.out / 'heavy'} held", said)
+        self.assertEqual([variant["frames"] > 0 for variant in data["variants"]], [True, False])
+
+    def test_a_report_says_what_it_lacks(self):
+        scene = self.write(sheet(outputs=[], variants={}))
+        self.run_part(scene)
+        data, said = self.shown(self.out)
+        self.assertEqual((len(data["variants"][0]["probes"]["rows"]), said), (11, ""))
+        for name, change, has_probes, has_shape in (
+                ("trajectory.bin", lambda p: os.truncate(p, 3000), True, False),
+                ("trajectory.bin", lambda p: os.truncate(p, 10), True, False),
+                ("trajectory.bin", Path.unlink, True, False),
+                ("probes.csv", Path.unlink, False, True),
+                ("probes.csv", lambda p: self.change_byte(p, 200), False, True),
+                ("summary.json", Path.unlink, False, True),
+                ("scene.json", Path.unlink, True, True)):
+            path = self.out / name
+            good = path.read_bytes()
+            change(path)
+            with self.subTest(name=name):
+                data, said = self.shown(self.out)
+                self.assertIn("warning: nothing is shown of ", said)
+                self.assertIn(str(path), said)
+                self.assertTrue(any(str(path) in note for note in data["notes"]), data["notes"])
+                variant, = data["variants"]
+                self.assertEqual((len(variant["probes"]["rows"]) > 0, variant["frames"] > 0),
+                                 (has_probes, has_shape))
+            path.write_bytes(good)
 
     def test_flipped_bits_in_a_checkpoint(self):
         scene = self.scene_with_files()
@@ -433,6 +542,46 @@ class Kept(FilesTest):
         self.run_scene(sheet(), "--force")
         self.assertFalse((self.out / "old").exists())
         self.assertEqual([p.name for p in self.out.iterdir() if p.name.startswith(".")], [])
+
+    def test_resumed_without_a_checkpoint(self):
+        """It begins anew; what is there goes with the first step only."""
+        fails = {"plugin": "throws", "what": "std", "step": 0.02}
+        scene = self.write(sheet(outputs=[], variants={}, duration=1e5, integrator=fails))
+        self.out.mkdir()
+        (self.out / "manifest.json").write_text('{"program": "deform", "status": "running"}')
+        completed = self.deform("run", scene, "--out", self.folder / "x", "--plugin-path", FIXTURES)
+        self.assertEqual(completed.returncode, 4, completed.stderr)
+        shutil.copy(self.folder / "x" / "scene.json", self.out)
+        (self.out / "probes.csv").write_text("hours of work")
+        before = content(self.out)
+        result = self.deform("run", scene, "--out", self.out, "--resume", "--plugin-path", FIXTURES)
+        self.assertEqual(result.returncode, 4, result.stderr)
+        self.assertIn("stays", result.stderr)
+        self.assertEqual(content(self.out), before)
+
+    def test_what_cannot_be_removed_is_in_nobodys_way(self):
+        self.allow_another_user()
+        scene = self.write(sheet())
+        run = ("run", scene, "--out", self.out, "--force")
+        self.deform_as_another_user(*run)
+        locked = self.out / "vtk" / "kept"
+        locked.mkdir()
+        (locked / "file").write_text("kept")
+        for path in (locked / "file", locked):
+            os.chown(path, self.OTHER, self.OTHER)
+        locked.chmod(0o555)
+        result = self.deform_as_another_user(*run)
+        self.assertRegex(result.stderr, r"warning: .*something stays: cannot remove \S+/out/")
+        self.assertEqual(self.load("summary.json")["status"], "done")
+        gone = self.out / ".deform-old-gone"
+        self.assertTrue((gone / "vtk" / "kept" / "file").exists())
+        # It can be used as ever, and goes when it can be removed.
+        self.deform_as_another_user(*run)
+        self.deform_as_another_user("run", scene, "--out", self.out, "--resume", "--set", "/duration=0.3")
+        self.assertEqual([path.name for path in self.out.glob(".deform-old*")], [gone.name])
+        (gone / "vtk" / "kept").chmod(0o755)
+        self.deform_as_another_user("report", self.out)
+        self.assertEqual(list(self.out.glob(".deform-*")), [])
 
     def test_killed_before_its_first_step(self):
         self.run_scene(sheet())
@@ -586,6 +735,24 @@ class Refusals(FilesTest):
         self.refuse("compare", scene, "--out", self.out, "--resume")
         (self.out / "manifest.json").write_text("{ broken")
         self.refuse("compare", scene, "--out", self.out, "--resume", words=["comparison"])
+
+    def test_a_report_reads_nothing_outside_of_its_folder(self):
+        scene = self.write(sheet(outputs=[], title="of somebody else"))
+        self.run_part(scene)
+        comparison = self.out / "c"
+        scene = self.write(sheet(outputs=[], variants={}))
+        self.assertEqual(self.deform("compare", scene, "--out", comparison).returncode, 0)
+        good = (comparison / "summary.json").read_text()
+        shutil.move(comparison / "base", self.folder / "elsewhere")
+        (comparison / "link").symlink_to(self.folder / "elsewhere")
+        for name in ("..", ".", "", "../../out", "link", "/"):
+            with self.subTest(name=name):
+                summary = json.loads(good)
+                summary["variants"][0]["folder"] = name
+                (comparison / "summary.json").write_text(json.dumps(summary))
+                data, said = self.shown(comparison)
+                self.assertIn("warning: nothing is shown of ", said)
+                self.assertIsNone(data["variants"][0]["manifest"])
 
     def test_names(self):
         scene = self.write(sheet())

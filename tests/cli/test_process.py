@@ -171,6 +171,21 @@ class EndedByAPlugin(BrokenPlugins):
             self.assertEqual(result.returncode, PLUGIN_FAILED, result.stderr)
             self.assertIn(self.ORIGIN, result.stderr)
 
+    def test_a_plugin_whose_path_is_no_text(self):
+        plugins = os.fsencode(self.folder) + b"/p\xff\x9b31m"
+        os.mkdir(plugins)
+        shutil.copy(os.fsencode(FIXTURES / "force-ends.so"), plugins)
+        scene = self.write(sheet("force", {"plugin": "ends", "how": "exit", "when": "step"}))
+        result = subprocess.run([os.fsencode(PROGRAM), b"run", os.fsencode(scene), b"--out",
+                                 os.fsencode(self.out), b"--plugin-path", plugins], capture_output=True,
+                                timeout=TIMEOUT, cwd=self.folder)
+        self.assertEqual(result.returncode, PLUGIN_FAILED, result.stderr)
+        self.assertIn(b"/p??31m/force-ends.so", result.stderr)
+        self.assertTrue(result.stderr.isascii())
+        manifest = json.loads((self.out / "manifest.json").read_bytes().decode())
+        self.assertEqual(manifest["status"], "plugin failed")
+        self.assertIn("/p??31m/force-ends.so", manifest["reason"])
+
     def test_a_comparison_goes_on(self):
         scene = sheet("force", {"plugin": "ends", "how": "exit", "when": "constructor"})
         good = scene["forces"][:1]

@@ -169,7 +169,7 @@ TEST_F(RunDirectory, ForceEmptiesARunDirectoryButFollowsNoLink) {
   put(run / "manifest.json", R"({"program": "deform"})");
   fs::create_directory_symlink(folder_ / "elsewhere", run / "link");
   EXPECT_NO_THROW(check_run_directory(run, true));
-  make_run_directory(run);
+  empty_run_directory(run);
   EXPECT_TRUE(fs::is_empty(run));
   EXPECT_EQ(content_of(folder_ / "elsewhere" / "file"), "kept");
 }

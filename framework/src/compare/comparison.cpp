@@ -25,6 +25,7 @@
 #include "simulation/files.h"
 #include "simulation/held_folder.h"
 #include "simulation/json_file.h"
+#include "simulation/old_run.h"
 #include "simulation/run_directory.h"
 #include "simulation/run_parts.h"
 
@@ -80,16 +81,18 @@ double surface_size(const std::vector<MeasuredRun>& measured, std::size_t refere
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-/// What there is to read of a run. One that ended for want of room on the disk may have left files
+/// What there is to read of a run. Of one that was refused there is nothing, whatever its folder
+/// holds of an earlier one. One that ended for want of room on the disk may have left files
 /// that are none: it has no states then, and says so.
 RecordedRun read_outcome(const fs::path& folder, const RunOutcome& outcome) {
+  RecordedRun nothing;
+  nothing.folder = folder;
+  if (outcome.status == "refused") return nothing;
   try {
     return read_run(folder);
   } catch (const InputError&) {
     if (outcome.status == "done") throw;
-    RecordedRun run;
-    run.folder = folder;
-    return run;
+    return nothing;
   }
 }
 
@@ -100,7 +103,7 @@ std::vector<std::string> left_over(const fs::path& folder, const ComparisonPlan&
     std::string name = entry.path().filename().string();
     const bool is_planned =
         std::ranges::find(plan.runs, name, &PlannedRun::name) != plan.runs.end();
-    if (!is_planned && entry.is_directory() && has_manifest(entry.path()))
+    if (!is_planned && !is_of_old_run(name) && entry.is_directory() && has_manifest(entry.path()))
       names.push_back(std::move(name));
   }
   std::ranges::sort(names);

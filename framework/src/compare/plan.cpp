@@ -1,6 +1,7 @@
 #include "deform/compare/plan.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "scene/json_pointer.h"
 #include "scene/nearest_name.h"
 #include "scene/scene_problems.h"
+#include "simulation/files.h"
 #include "simulation/part_maker.h"
 #include "simulation/run_parts.h"
 
@@ -55,6 +57,7 @@ class Planner {
       : request_(request), registry_(std::move(registry)), interrupted_(interrupted) {}
 
   ComparisonPlan plan() {
+    const std::optional<std::string> text = read_file(request_.scene);
     const Scene written = read_scene(request_.scene, *registry_);
     const std::vector<std::string> variants = chosen_variants(written);
     check_variations();
@@ -69,6 +72,9 @@ class Planner {
     plan.base_files = base.files;
     plan.reference = choose_reference(base);
     plan.runs = std::move(runs_);
+    if (read_file(request_.scene) != text)
+      throw InputError(fmt::format("{} changed while its variants were read: run it again",
+                                   request_.scene.string()));
     make_parts(plan);
     return plan;
   }

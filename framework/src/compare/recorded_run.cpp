@@ -94,7 +94,7 @@ double spacing(const std::vector<Moment>& moments) {
 
 }  // namespace
 
-RecordedRun read_run(const fs::path& folder) {
+RecordedRun read_tables(const fs::path& folder) {
   RecordedRun run;
   run.folder = folder;
   run.summary = read_json(folder / "summary.json");
@@ -105,8 +105,18 @@ RecordedRun read_run(const fs::path& folder) {
     throw InputError(
         fmt::format("the probes of {} are not what a run writes: {}", folder.string(), e.what()));
   }
+  return run;
+}
+
+void open_trajectory(RecordedRun& run) {
+  const fs::path file = run.folder / kTrajectoryFile;
   std::error_code error;
-  if (fs::exists(folder / kTrajectoryFile, error)) run.trajectory.emplace(folder / kTrajectoryFile);
+  if (fs::exists(file, error)) run.trajectory.emplace(file);
+}
+
+RecordedRun read_run(const fs::path& folder) {
+  RecordedRun run = read_tables(folder);
+  open_trajectory(run);
   return run;
 }
 

@@ -29,6 +29,10 @@ struct RecordedRun {
 /// Reads what is there of a run directory; what is not there stays empty. Throws InputError for
 /// files that are not what a run writes.
 [[nodiscard]] RecordedRun read_run(const std::filesystem::path& folder);
+/// The same in two parts, for whom one of them is worth having without the other: all but the
+/// states, and these.
+[[nodiscard]] RecordedRun read_tables(const std::filesystem::path& folder);
+void open_trajectory(RecordedRun& run);
 
 /// Pairs of numbers (i, j) of moments at the same time, ascending. Times that differ by less than
 /// 1e-6 of the spacing (1e-9 of the time, where there is no second one) are the same: steps of

@@ -39,9 +39,8 @@ class Text {
   void add(std::string_view text) noexcept {
     for (const char c : text) {
       if (size_ + 1 == characters_.size()) return;
-      // Names of files may hold what terminals take for orders.
-      const auto byte = static_cast<unsigned char>(c);
-      characters_[size_++] = byte < ' ' || byte == 0x7f ? '?' : c;
+      // Names of files may hold what terminals take for orders, or what is no text in JSON.
+      characters_[size_++] = c < ' ' || c > '~' ? '?' : c;
     }
   }
   [[nodiscard]] const char* c_str() const noexcept { return characters_.data(); }

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "deform/error.h"
+#include "deform/log.h"
 
 #include "report/report_page.h"
 #include "report/report_source.h"
@@ -53,6 +54,7 @@ std::size_t room(const ReportSource& source, const ReportPage& page) {
 }  // namespace
 
 fs::path write_report(const fs::path& folder) {
+  require_unheld(folder);
   std::error_code error;
   std::optional<FolderLock> lock;
   if (fs::is_directory(folder, error) && (has_manifest(folder) || has_old_run(folder))) {
@@ -60,6 +62,7 @@ fs::path write_report(const fs::path& folder) {
     give_old_run_back(folder);
   }
   const ReportSource source = read_report_source(folder);
+  for (const std::string& note : source.notes) log::warn(note);
   const ReportPage page = read_page();
   std::string text(page.before());
   append_report(text, source, room(source, page));

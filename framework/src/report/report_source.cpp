@@ -36,14 +36,23 @@ std::string readable(std::string time) {
 /// What a run has not written itself is not shown as its result.
 void add_recorded(ReportVariant& variant, std::vector<std::string>& notes) {
   RecordedRun run = read_variant(variant.folder, notes);
-  if (const std::string why = damaged_result(variant.folder, run.manifest); !why.empty()) {
-    notes.push_back(fmt::format("nothing is shown of {}: {}", variant.folder.string(), why));
-    variant.is_damaged = true;
-    return;
+  // One that came to a result has left its manifest, by which the other files are known.
+  if ((variant.status == "done" || variant.status == "diverged") && run.manifest.is_null())
+    notes.push_back(fmt::format("nothing is known of what {} held: its {} is not there",
+                                variant.folder.string(), kManifestFile));
+  bool has_states = true;
+  for (const DamagedResult& damaged : damaged_results(variant.folder, run.manifest)) {
+    notes.push_back(fmt::format("nothing is shown of {}: {}",
+                                (variant.folder / damaged.file).string(), damaged.why));
+    if (damaged.file == kTrajectoryFile || damaged.file.empty()) has_states = false;
+    // The names of the columns are those of the summary.
+    if (damaged.file != kTrajectoryFile) variant.has_probes = false;
   }
-  variant.probe_rows = run.probes.moments.size();
-  variant.probe_columns = run.probes.names.size() + 2;
-  if (run.trajectory) {
+  if (variant.has_probes) {
+    variant.probe_rows = run.probes.moments.size();
+    variant.probe_columns = run.probes.names.size() + 2;
+  }
+  if (run.trajectory && has_states) {
     variant.moments = run.trajectory->moments();
     variant.fields = run.trajectory->fields();
   }
@@ -67,16 +76,35 @@ ReportSource read_run_source(const fs::path& folder, const Json& manifest) {
   source.title = text_of(manifest, "title", "run");
   source.created = readable(text_of(manifest, "started"));
   source.scene = read_json_object(folder / "scene.json");
+  if (source.scene.is_null())
+    source.notes.push_back(
+        fmt::format("nothing is shown of the scene: {} is not there, or no scene",
+                    (folder / "scene.json").string()));
   source.variants.push_back(single_variant(folder, manifest));
   return source;
 }
 
-ReportVariant compared_variant(const fs::path& folder, const Json& said) {
+/// "", or why a name that a summary says is none of a folder within the comparison's: a summary
+/// that somebody wrote must not make the report read files from elsewhere.
+std::string outside(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  if (name.empty() || name == "." || name == ".." || fs::path(name).filename() != name)
+    return fmt::format("summary.json names its folder \"{}\", which is none within '{}'", name,
+                       folder.string());
+  if (fs::is_symlink(fs::symlink_status(folder / name, error)))
+    return fmt::format("{} is a link, out of the comparison directory", (folder / name).string());
+  return "";
+}
+
+ReportVariant compared_variant(const fs::path& folder, const Json& said,
+                               std::vector<std::string>& notes) {
   ReportVariant variant;
   variant.name = text_of(said, "name");
-  // A summary that somebody wrote must not make the report read files from elsewhere.
-  const fs::path name = fs::path(text_of(said, "folder", variant.name)).filename();
-  variant.folder = folder / name;
+  const std::string name = text_of(said, "folder", variant.name);
+  if (const std::string why = outside(folder, name); why.empty())
+    variant.folder = folder / name;
+  else
+    notes.push_back(fmt::format("nothing is shown of \"{}\": {}", variant.name, why));
   variant.status = text_of(said, "status", "failed");
   variant.reason = text_of(said, "reason");
   variant.changes = value_of(said, "changes", Json::array());
@@ -97,7 +125,7 @@ ReportSource read_comparison_source(const fs::path& folder, const Json& summary,
   source.tolerance = value_of(summary, "tolerance");
   source.verdict = value_of(summary, "verdict");
   for (const Json& said : value_of(summary, "variants", Json::array())) {
-    if (said.is_object()) source.variants.push_back(compared_variant(folder, said));
+    if (said.is_object()) source.variants.push_back(compared_variant(folder, said, source.notes));
   }
   const bool is_one = std::ranges::any_of(
       source.variants, [&](const ReportVariant& v) { return source.reference == v.name; });
@@ -108,14 +136,23 @@ ReportSource read_comparison_source(const fs::path& folder, const Json& summary,
 }  // namespace
 
 RecordedRun read_variant(const fs::path& folder, std::vector<std::string>& notes) {
-  try {
-    return read_run(folder);
-  } catch (const InputError& e) {
+  const auto note = [&](const InputError& e) {
     notes.push_back(fmt::format("nothing is shown of {}: {}", folder.string(), e.what()));
-  }
+  };
   RecordedRun run;
-  run.folder = folder;
-  run.manifest = read_json_object(folder / "manifest.json");
+  try {
+    run = read_tables(folder);
+  } catch (const InputError& e) {
+    note(e);
+    run.folder = folder;
+    run.manifest = read_json_object(folder / "manifest.json");
+    return run;
+  }
+  try {
+    open_trajectory(run);
+  } catch (const InputError& e) {
+    note(e);
+  }
   return run;
 }
 
@@ -138,7 +175,8 @@ ReportSource read_report_source(const fs::path& folder) {
   }
   ReportSource source = is_comparison ? read_comparison_source(folder, summary, manifest)
                                       : read_run_source(folder, manifest);
-  for (ReportVariant& variant : source.variants) add_recorded(variant, source.notes);
+  for (ReportVariant& variant : source.variants)
+    if (!variant.folder.empty()) add_recorded(variant, source.notes);
   return source;
 }
 

@@ -14,6 +14,7 @@
 
 #include "deform/compare/plan.h"
 #include "deform/error.h"
+#include "deform/log.h"
 #include "deform/version.h"
 
 #include "compare/triangles.h"
@@ -273,6 +274,7 @@ std::optional<VariantFrames> ReportWriter::open_frames(std::size_t v) {
     return frames;
   } catch (const InputError& e) {
     notes_.push_back(fmt::format("{} has no shape: {}", variant.name, e.what()));
+    log::warn(notes_.back());
     return std::nullopt;
   }
 }
@@ -306,8 +308,9 @@ Json cost_of(const Json& manifest) {
 void ReportWriter::write_variant(const ReportVariant& variant,
                                  std::optional<VariantFrames>& frames) {
   std::vector<std::string> said_before;  // read_report_source has noted it
-  RecordedRun run = read_variant(variant.folder, said_before);
-  if (variant.is_damaged) run.probes = {};
+  RecordedRun run;
+  if (!variant.folder.empty()) run = read_variant(variant.folder, said_before);
+  if (!variant.has_probes) run.probes = {};
   json_.begin('{');
   json_.member("name", variant.name);
   json_.member("status", variant.status);

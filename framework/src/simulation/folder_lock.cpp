@@ -55,6 +55,15 @@ bool is_still(const fs::path& file, int descriptor) {
          named.st_dev == held.st_dev && named.st_ino == held.st_ino;
 }
 
+/// −1 with errno. Of another user's folder the file can be read at best, which is enough to lock
+/// it.
+int open_lock(const fs::path& file) {
+  constexpr int kMode = 0666, kHow = O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC;
+  const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | kHow, kMode);
+  if (descriptor >= 0 || (errno != EACCES && errno != EROFS)) return descriptor;
+  return ::open(file.c_str(), O_RDONLY | kHow);
+}
+
 std::string own_text() {
   return fmt::format("process {} on {} since {}\n", ::getpid(), host_name(), utc_now());
 }
@@ -62,12 +71,11 @@ std::string own_text() {
 }  // namespace
 
 FolderLock::FolderLock(const fs::path& folder) : file_(fs::absolute(folder) / kLockFile) {
-  constexpr int kMode = 0666;
   for (;;) {
-    const int descriptor =
-        ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, kMode);
+    const int descriptor = open_lock(file_);
     if (descriptor < 0) {
-      if (errno == EACCES || errno == EROFS) return;  // nobody writes there
+      // It is not there, and we cannot make it.
+      if (errno == EACCES || errno == EROFS || errno == ENOENT) return;
       fail(file_, errno);
     }
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
@@ -103,6 +111,19 @@ void require_unheld(const fs::path& folder) {
   if (descriptor < 0) return;
   if (::flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) refuse(file, descriptor);
   ::close(descriptor);
+}
+
+void require_unheld_within(const fs::path& folder) {
+  constexpr auto kOptions = fs::directory_options::skip_permission_denied;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, kOptions, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry.depth() > 0 && entry->path().filename() == kLockFile)
+      require_unheld(entry->path().parent_path());
+  }
+  if (error)
+    throw Error(ExitCode::internal_error,
+                fmt::format("cannot look into {}: {}", folder.string(), error.message()));
 }
 
 }  // namespace deform

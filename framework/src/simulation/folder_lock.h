@@ -32,4 +32,9 @@ class FolderLock {
 /// knows nothing of a folder that is not there.
 void require_unheld(const std::filesystem::path& folder);
 
+/// The same of all folders below this one: what is moved or removed with it must be nobody's work.
+/// Throws Error when one cannot look into them; those of others, which cannot be read, do not
+/// count.
+void require_unheld_within(const std::filesystem::path& folder);
+
 }  // namespace deform

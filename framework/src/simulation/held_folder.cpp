@@ -31,19 +31,19 @@ HeldFolder::HeldFolder(const fs::path& folder, FolderUse use)
 
 void HeldFolder::take() {
   if (lock_) return;
-  std::error_code error;
-  if (!fs::is_directory(folder_, error)) make_run_directory(folder_);
+  make_run_directory(folder_);
   lock_.emplace(folder_);
+  give_old_run_back(folder_);
   if (!holds_nothing(folder_)) check_run_directory(folder_, use_ != FolderUse::made);
 }
 
-void HeldFolder::begin_anew() {
+void HeldFolder::begin_anew(bool is_worth_keeping) {
   take();
-  if (use_ == FolderUse::replaced && !holds_nothing(folder_)) {
+  if (is_worth_keeping && !holds_nothing(folder_)) {
     has_old_ = true;
     set_old_run_aside(folder_);
   } else {
-    make_run_directory(folder_);
+    empty_run_directory(folder_);
   }
 }
 

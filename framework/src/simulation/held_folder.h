@@ -13,7 +13,7 @@ namespace deform {
 enum class FolderUse : std::uint8_t {
   made,      ///< it must not be there
   replaced,  ///< --force: the old run stays until drop_old
-  resumed,   ///< --resume
+  resumed,   ///< --resume: as `replaced` where there is nothing to go on from
 };
 
 /// Holds the folder, and an old run that is being replaced.
@@ -26,8 +26,9 @@ class HeldFolder {
 
   /// Makes the folder if it is not there, and holds it: another process may have made it meanwhile.
   void take();
-  /// The same; then it holds nothing. What is to be replaced is set aside.
-  void begin_anew();
+  /// The same; then it holds nothing. What it held is set aside, or removed where that is worth
+  /// nothing.
+  void begin_anew(bool is_worth_keeping = true);
   /// The new run has taken its first step.
   void drop_old();
   /// It never will: puts the old run back. Returns whether there was one.

@@ -6,6 +6,7 @@
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -76,23 +77,34 @@ const char* status_of(ExitCode code) {
   }
 }
 
-std::string damaged_result(const std::filesystem::path& folder, const Json& manifest) {
+std::vector<DamagedResult> damaged_results(const std::filesystem::path& folder,
+                                           const Json& manifest) {
   const auto results = manifest.find("results");
-  if (results == manifest.end() || !results->is_array()) return "";
+  if (results == manifest.end() || !results->is_array()) return {};
+  std::vector<DamagedResult> damaged;
   for (const Json& result : *results) {
     const bool is_one = result.is_object() && result.value("file", Json()).is_string() &&
                         result.value("bytes", Json()).is_number_unsigned() &&
                         result.value("sha256", Json()).is_string();
-    if (!is_one) return (folder / kManifestFile).string() + " lists what is no file";
+    if (!is_one) {
+      damaged.push_back({"", (folder / kManifestFile).string() + " lists what is no file"});
+      continue;
+    }
     const WrittenFile file{std::filesystem::path(result["file"].get<std::string>()).filename(),
                            result["bytes"].get<std::uint64_t>(),
                            result["sha256"].get<std::string>()};
-    if (std::string why = missing_from(folder, file); !why.empty()) return why;
+    std::string why = missing_from(folder, file);
     std::error_code error;
-    if (std::filesystem::file_size(folder / file.name, error) != file.bytes)
-      return fmt::format("{} is longer than what was written", (folder / file.name).string());
+    if (why.empty() && std::filesystem::file_size(folder / file.name, error) != file.bytes)
+      why = fmt::format("{} is longer than what was written", (folder / file.name).string());
+    if (!why.empty()) damaged.push_back({file.name, std::move(why)});
   }
-  return "";
+  return damaged;
+}
+
+std::string damaged_result(const std::filesystem::path& folder, const Json& manifest) {
+  const std::vector<DamagedResult> damaged = damaged_results(folder, manifest);
+  return damaged.empty() ? "" : damaged.front().why;
 }
 
 std::string planned_manifest() {

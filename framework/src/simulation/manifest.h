@@ -29,6 +29,7 @@ class Manifest {
   /// "", or what the run of an `earlier` manifest was made with that is another now: the program,
   /// a plugin, a file of the scene.
   [[nodiscard]] std::string difference(const Json& earlier) const;
+  [[nodiscard]] const Json& json() const { return json_; }
   /// The files that the scene names, as they were when this was made.
   [[nodiscard]] const std::vector<HashedFile>& files() const { return files_; }
 
@@ -50,8 +51,15 @@ class Manifest {
   Json json_;
 };
 
-/// "", or which file of a run directory is not what its manifest says that the run has written.
-/// Nothing is known of a run that has not ended. Throws Error when one cannot be read.
+/// A file of a run directory that is not what its manifest says that the run has written.
+struct DamagedResult {
+  std::string file;  ///< its name; empty where the manifest's list itself is damaged
+  std::string why;
+};
+/// Nothing is known of a run that has not ended. Throws Error when a file cannot be read.
+[[nodiscard]] std::vector<DamagedResult> damaged_results(const std::filesystem::path& folder,
+                                                         const Json& manifest);
+/// Of the first of them: why; "" where there is none.
 [[nodiscard]] std::string damaged_result(const std::filesystem::path& folder, const Json& manifest);
 
 }  // namespace deform

@@ -9,6 +9,7 @@
 
 #include "simulation/files.h"
 #include "simulation/folder_lock.h"
+#include "simulation/old_run.h"
 #include "simulation/run_directory.h"
 #include "simulation/scene_files.h"
 
@@ -52,7 +53,7 @@ void refuse_other_files(const fs::path& folder) {
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const fs::path name = entry.path().filename();
     if (name == kManifestFile || name == kLockFile || name == "log.txt" ||
-        name.extension() == ".part")
+        name.extension() == ".part" || is_of_old_run(name))
       continue;
     throw InputError(fmt::format(
         "cannot resume in '{}': it holds '{}' but no scene.json, so it is not a run directory",
@@ -121,11 +122,13 @@ Resumption look_for_run(const fs::path& folder, const Scene& scene, const Manife
 
 void remove_half_written(const fs::path& folder) {
   std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.path().extension() == ".part" && entry.is_regular_file())
-      files.push_back(entry.path());
-  }
   std::error_code ignored;  // they are in nobody's way
+  constexpr auto kOptions = fs::directory_options::skip_permission_denied;
+  for (fs::recursive_directory_iterator entry(folder, kOptions, ignored), end; entry != end;
+       entry.increment(ignored)) {
+    if (entry->path().extension() == ".part" && entry->is_regular_file(ignored))
+      files.push_back(entry->path());
+  }
   for (const fs::path& file : files) fs::remove(file, ignored);
 }
 

@@ -199,7 +199,7 @@ void Recording::begin_folder() {
     if (found_.checkpoint)
       remove_half_written(folder_);
     else
-      held_.begin_anew();
+      held_.begin_anew(!found_.planned);
     manifest_.write(folder_);  // first: from here on the folder is known as one of ours
     log_.emplace(folder_ / "log.txt", found_.checkpoint.has_value());
   } catch (...) {

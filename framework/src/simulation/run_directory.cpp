@@ -26,15 +26,6 @@ void remove_tree(const fs::path& entry) {
   }
 }
 
-/// The manifest goes last: a folder that was emptied only half is still known as one of ours.
-void empty(const fs::path& folder) {
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const fs::path name = entry.path().filename();
-    if (name != kManifestFile && name != kLockFile) remove_tree(entry.path());
-  }
-  remove_tree(folder / kManifestFile);
-}
-
 }  // namespace
 
 bool has_manifest(const fs::path& folder) {
@@ -49,7 +40,9 @@ bool holds_nothing(const fs::path& folder) {
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const fs::path name = entry.path().filename();
-    if (name != std::string(kManifestFile) + ".part" && name != kLockFile) return false;
+    const bool is_nothing =
+        name == std::string(kManifestFile) + ".part" || name == kLockFile || is_given_up(name);
+    if (!is_nothing) return false;
   }
   if (error)
     throw InputError(fmt::format("cannot look into '{}': {}", folder.string(), error.message()));
@@ -82,15 +75,21 @@ void check_run_directory(const fs::path& folder, bool force) {
 
 void make_run_directory(const fs::path& folder) {
   std::error_code error;
-  if (fs::is_directory(folder, error)) {
-    empty(folder);
-    return;
-  }
   fs::create_directories(folder, error);
   if (error) {
     throw Error(ExitCode::internal_error,
                 fmt::format("cannot make {}: {}", folder.string(), error.message()));
   }
+}
+
+/// The manifest goes last: a folder that was emptied only half is still known as one of ours.
+void empty_run_directory(const fs::path& folder) {
+  require_unheld_within(folder);
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const fs::path name = entry.path().filename();
+    if (name != kManifestFile && name != kLockFile && !is_given_up(name)) remove_tree(entry.path());
+  }
+  remove_tree(folder / kManifestFile);
 }
 
 }  // namespace deform

@@ -12,12 +12,18 @@ inline constexpr const char* kManifestFile = "manifest.json";
 /// false, or what is there is neither an empty folder nor one that deform made. Changes nothing.
 void check_run_directory(const std::filesystem::path& folder, bool force);
 
-/// Makes the folder, with its parents; empties it when it is there (check_run_directory comes
-/// first). Throws Error when it cannot be made or emptied.
+/// Makes the folder, with its parents, where it is not there; changes nothing where it is: somebody
+/// else may have made it meanwhile. Throws Error when it cannot be made.
 void make_run_directory(const std::filesystem::path& folder);
 
-/// True where a folder has nothing in it but its lock, or what a run that was killed while it wrote
-/// its first file has left. Throws InputError when one cannot look into it.
+/// Removes all that a folder holds but its lock (check_run_directory comes first, and whoever
+/// empties it holds it). Throws Error when it cannot; InputError where another process works in a
+/// folder within.
+void empty_run_directory(const std::filesystem::path& folder);
+
+/// True where a folder has nothing in it but its lock, what a run that was killed while it wrote
+/// its first file has left, or what could not be removed of an old run (is_given_up). Throws
+/// InputError when one cannot look into it.
 [[nodiscard]] bool holds_nothing(const std::filesystem::path& folder);
 
 /// True for a folder with a manifest.json that deform wrote.

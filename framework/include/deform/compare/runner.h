@@ -33,15 +33,17 @@ struct RunnerOptions {
 
 /// How a run ended, as a comparison tells it.
 struct RunOutcome {
-  std::string status;       ///< of summary.json ("done", "diverged", …), "refused" or "crashed"
-  std::string reason;       ///< empty when done
-  bool reused = false;      ///< was there already
-  bool is_failure = false;  ///< not of the simulation: a file could not be written, say
+  std::string status;   ///< of summary.json ("done", "diverged", …), "refused" or "crashed"
+  std::string reason;   ///< empty when done
+  bool reused = false;  ///< was there already
+  /// Not of the simulation: a file could not be written, or a signal killed the process, say.
+  bool is_failure = false;
 };
 
 /// Runs what is not there yet; one outcome a run, in their order. Throws Error when a process
 /// cannot be started or a folder not be written; with ExitCode::interrupted when it was
-/// interrupted.
+/// interrupted; InputError, which names the run and what changed, where a run was not made with the
+/// files, plugins and program that were there before the first one.
 [[nodiscard]] DEFORM_API std::vector<RunOutcome> execute_runs(const std::vector<PlannedRun>& runs,
                                                               const PluginRegistry& registry,
                                                               const RunnerOptions& options);

@@ -12,8 +12,9 @@ namespace deform {
 [[nodiscard]] DEFORM_API std::filesystem::path find_report_page();
 
 /// Writes report.html into a run or comparison directory, from nothing but what the directory holds
-/// (docs/report-format.md), all at once. Returns the file. Throws InputError when the folder is
-/// neither, or the page to fill in is not found.
+/// (docs/report-format.md), all at once. Returns the file. What the directory ought to hold and
+/// does not, or holds damaged, is warned of and left out. Throws InputError when the folder is
+/// neither, a process works in it, or the page to fill in is not found.
 DEFORM_API std::filesystem::path write_report(const std::filesystem::path& folder);
 
 /// Writes report.png, a contact sheet (variants × moments) as the page itself draws it, with a
