@@ -125,6 +125,50 @@ class Interrupted(BrokenPlugins):
             manifest = json.loads((self.out / run / "manifest.json").read_text())
             self.assertEqual(manifest["status"], "interrupted")
 
+    def stops_outside_of_the_model(self, told, steps, **changes):
+        """A step, all that is recorded, and what begins and ends it are given up alike."""
+        scene = slow_sheet({"plugin": "semi_implicit"}, **changes)
+        del scene["forces"][1]
+        scene = self.write(scene)
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.start("run", scene, "--out", self.out, "--plugin-path", FIXTURES, seconds=120)
+        said = self.stop_in_a_long_step(process, *([self.out] if steps else []))
+        self.assertRegex(said, told)
+        for name in ("summary.json", "manifest.json"):
+            found = json.loads((self.out / name).read_text())
+            self.assertEqual((found["status"], found["steps"]), ("interrupted", steps))
+        self.resumes_to_the_same_bits(scene, "--plugin-path", FIXTURES)
+
+    def test_while_a_step_is_recorded(self):
+        for what, told, steps in (
+                ({"probes": ["lowest", {"plugin": "slow", "from": 2}]},
+                 "interrupted after 3 of 5 steps, before all was recorded; --resume goes on after step 3", 3),
+                ({"outputs": [{"plugin": "slow", "from": 2}]},
+                 "interrupted after 3 of 5 steps, before all was recorded; --resume goes on after step 3", 3),
+                # The checkpoint after step 4 waits for the third step's files.
+                ({"outputs": [{"plugin": "slow", "from": 2, "while": "behind"}]},
+                 "interrupted after 4 of 5 steps, before all was recorded; --resume goes on after step 3", 4),
+                ({"outputs": [{"plugin": "slow", "while": "ending"}]},
+                 "interrupted after 5 of 5 steps, before all was recorded; --resume goes on after step 5", 5)):
+            with self.subTest(what):
+                self.stops_outside_of_the_model(told, steps, **what)
+
+    def test_while_a_probe_follows_a_step(self):
+        """The step is done then, and thrown away all the same."""
+        self.stops_outside_of_the_model("interrupted within step 3 of 5.*--resume goes on after step 2$", 2,
+                                        probes=["lowest", {"plugin": "slow", "from": 2, "while": "following"}])
+
+    def test_before_the_first_step(self):
+        scene = slow_sheet({"plugin": "semi_implicit"}, outputs=[{"plugin": "slow", "while": "beginning"}])
+        process = self.start("run", self.write(scene), "--out", self.out, "--plugin-path", FIXTURES, seconds=120)
+        while not (self.out / "probes.csv").exists():
+            self.assertIsNone(process.poll())
+            time.sleep(0.02)
+        process.send_signal(signal.SIGTERM)
+        _, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        self.assertIn("interrupted after 0 of 5 steps, before all was recorded; there is no checkpoint yet", said)
+
     def test_long_steps_are_kept_though_no_checkpoint_is_due(self):
         scene = slow_sheet({"plugin": "semi_implicit"}, checkpoint={"seconds": 0})
         scene["forces"][1]["from"] = -1.0
