@@ -20,6 +20,7 @@
 
 #include "commit.h"
 #include "compare_command.h"
+#include "interrupt.h"
 #include "plugin_command.h"
 #include "plugins_command.h"
 #include "progress.h"
@@ -348,6 +349,7 @@ int execute(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   deform::app::occupy_standard_streams();
+  deform::app::prepare_signals();
   deform::watch_process_end();
   // Before any plugin brings OpenBLAS with it: its threads get in the way of ours, and let results
   // depend on their number.

@@ -5,6 +5,7 @@ import copy
 import json
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -46,10 +47,10 @@ def slow_sheet(integrator, **changes):
 
 
 class Interrupted(BrokenPlugins):
-    def start(self, *arguments, seconds):
+    def start(self, *arguments, seconds, **how):
         process = subprocess.Popen([PROGRAM, *map(str, arguments)], text=True, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, stdin=subprocess.DEVNULL,
-                                   env={**os.environ, "DEFORM_FIXTURE_SECONDS": str(seconds)})
+                                   env={**os.environ, "DEFORM_FIXTURE_SECONDS": str(seconds)}, **how)
         self.addCleanup(process.kill)
         return process
 
@@ -110,10 +111,56 @@ class Interrupted(BrokenPlugins):
         process = self.start("run", scene, "--out", self.out, "--plugin-path", FIXTURES, seconds=120)
         self.wait_for_second_step(process, self.out)
         process.send_signal(signal.SIGTERM)
+        time.sleep(0.5)  # less, and it may be the same request
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=60)
         self.assertEqual(process.returncode, INTERRUPTED)
+        # Nothing was written any more, not even how it ended.
+        self.assertEqual(json.loads((self.out / "manifest.json").read_text())["status"], "running")
         self.resumes_to_the_same_bits(scene, "--plugin-path", FIXTURES)
+
+    def test_one_request_in_two_signals(self):
+        """What `timeout` sends to the process, and to its group."""
+        scene = self.write(slow_sheet({"plugin": "semi_implicit"}))
+        process = self.start("run", scene, "--out", self.out, "--plugin-path", FIXTURES, seconds=120)
+        self.wait_for_second_step(process, self.out)
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        _, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        self.assertIn("interrupted within step 3 of 5", said)
+        self.assertEqual(json.loads((self.out / "manifest.json").read_text())["status"], "interrupted")
+
+    def test_what_is_ignored_stays_ignored(self):
+        for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
+            with self.subTest(number):
+                scene = self.write(slow_sheet({"plugin": "semi_implicit"}))
+                process = self.start("run", scene, "--out", self.out, "--force", "--plugin-path", FIXTURES, seconds=0.4,
+                                     preexec_fn=lambda: signal.signal(number, signal.SIG_IGN))
+                self.wait_for_second_step(process, self.out)
+                process.send_signal(number)
+                _, said = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, DONE, said)
+                shutil.rmtree(self.out)
+
+    def test_while_a_comparison_makes_plugins(self):
+        """Ctrl-C goes to the whole group, also to the process that makes them."""
+        scene = self.write(slow_sheet({"plugin": "semi_implicit"}))
+        scene_of_one = json.loads(scene.read_text())
+        scene_of_one["forces"][1]["being_made"] = True
+        scene.write_text(json.dumps(scene_of_one))
+        process = self.start("compare", scene, "--out", self.out, "--plugin-path", FIXTURES, "--reference", "refined",
+                             seconds=120, start_new_session=True)
+        deadline = time.monotonic() + TIMEOUT
+        while not Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text():
+            self.assertIsNone(process.poll())
+            self.assertLess(time.monotonic(), deadline)
+        time.sleep(0.2)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        self.assertNotIn("plugin", said)
 
     def test_a_comparison(self):
         scene = slow_sheet({"plugin": "static"}, variants={"stiff": {"/energies/0/eta": 2.0}})
@@ -231,6 +278,30 @@ class EndedByAPlugin(BrokenPlugins):
             self.assertEqual(runs[name]["status"], "plugin failed", runs[name])
             self.assertIn(self.ORIGIN, runs[name]["reason"])
             self.assertIn(cause, runs[name]["reason"])
+
+
+class Inherited(BrokenPlugins):
+    """What whoever began the program left it with."""
+
+    def program(self, *arguments, prepare, **how):
+        return subprocess.run([PROGRAM, *map(str, arguments)], text=True, stderr=subprocess.PIPE, timeout=TIMEOUT,
+                              cwd=self.folder, preexec_fn=prepare, **how)
+
+    def test_ends_of_children_that_are_ignored(self):
+        scene = self.write({**SHEET, "variants": {"heavy": {"/material/density": 0.2}}})
+        result = self.program("compare", scene, "--out", self.out, "--quiet",
+                              prepare=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN))
+        self.assertEqual(result.returncode, DONE, result.stderr)
+
+    def test_files_that_may_not_grow(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
+        self.assertEqual(self.deform("run", self.write(SHEET), "--out", self.out).returncode, DONE)
+        for arguments in (("schema",), ("schema", "--out", self.folder / "schemas"), ("report", self.out)):
+            with self.subTest(arguments), open(self.folder / "said", "w") as said:
+                result = self.program(*arguments, prepare=limit, stdout=said)
+                self.assertEqual(result.returncode, INTERNAL, result.stderr)
+                self.assertIn("cannot write", result.stderr)
 
 
 class Streams(BrokenPlugins):
