@@ -6,21 +6,21 @@
 
 #include "deform/log.h"
 
+#include "solve/asked.h"
+
 namespace deform {
 namespace {
 
 /// Part of what moved that a step may gain.
 constexpr double kMost = 0.05;
 
-bool knows_energy(const System& system, const Integrator& integrator) {
-  return !integrator.is_static() && std::ranges::all_of(system.energies(), [](const auto& e) {
-    return e.object->traits().potential;
-  });
+bool knows_energy(const System& system, const Named<Integrator>& integrator) {
+  return !is_static(integrator) && have_potential(system);
 }
 
 }  // namespace
 
-EnergyGuard::EnergyGuard(const System& system, const Integrator& integrator)
+EnergyGuard::EnergyGuard(const System& system, const Named<Integrator>& integrator)
     : account_(system), is_known_(knows_energy(system, integrator)) {}
 
 bool EnergyGuard::watches(long steps) const { return is_known_ && !warned_ && is_guarded(steps); }

@@ -9,6 +9,7 @@
 
 #include "simulation/part_maker.h"
 #include "simulation/shadow_probe.h"
+#include "solve/asked.h"
 
 namespace deform {
 
@@ -99,7 +100,9 @@ std::vector<Problem> remarks_on(const Scene& scene) {
 std::vector<Problem> remarks_on(const RunParts& parts) {
   const Scene& scene = parts.simulation->scene();
   std::vector<Problem> remarks = remarks_on(scene);
-  if (parts.simulation->integrator().lags_coefficients()) return remarks;
+  if (asked(parts.simulation->integrator(),
+            [](const Integrator& i) { return i.lags_coefficients(); }))
+    return remarks;
   const auto remark = [&](const std::string& pointer) {
     remarks.push_back(scene.located(
         {pointer,
