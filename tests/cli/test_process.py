@@ -245,6 +245,11 @@ class EndedByAPlugin(BrokenPlugins):
             self.assertIn(self.ORIGIN, manifest["reason"])
             self.assertIn(cause, manifest["reason"])
 
+    def test_its_children_end_as_they_like(self):
+        scene = self.write(sheet("force", {"plugin": "ends", "how": "child"}))
+        result = self.deform("run", scene, "--out", self.out, "--plugin-path", FIXTURES)
+        self.assertEqual((result.returncode, result.stderr), (DONE, ""))
+
     def test_in_a_constructor(self):
         for how, cause in self.CAUSES.items():
             use = {"plugin": "ends", "how": how, "when": "constructor"}
@@ -359,25 +364,53 @@ class Texts(BrokenPlugins):
     def test_in_titles_labels_and_names(self):
         scene = held_sheet(title=self.ORDERS, duration=0.11)
         scene["probes"] = [{"plugin": "point", "where": {"boundary": "left"}, "label": self.ORDERS}, {"plugin": "lowest"}]
-        scene["variants"] = {self.ORDERS.replace("\n", " "): {"/material/density": 0.2}}
+        scene["variants"] = {"heavy": {"/material/density": 0.2}}
         path = self.write(scene)
-        for arguments in (("run", path, "--out", self.out, "--force"), ("validate", path),
-                          ("compare", path, "--out", self.folder / "c"),
-                          ("run", path, "--variant", self.ORDERS), ("run", self.ORDERS)):
+        named = self.folder / "named.json"
+        named.write_text(json.dumps({**scene, "variants": {self.ORDERS: {"/material/density": 0.2}}}))
+        for code, *arguments in ((DONE, "run", path, "--out", self.out, "--force"), (DONE, "validate", path),
+                                 (DONE, "compare", path, "--out", self.folder / "c"),
+                                 (BAD_INPUT, "run", path, "--variant", self.ORDERS), (BAD_INPUT, "run", self.ORDERS),
+                                 (BAD_INPUT, "validate", named)):
             result = self.deform(*arguments)
+            self.assertEqual(result.returncode, code, result.stderr)
             self.assert_all_safe(result)
-        for log in self.folder.rglob("log.txt"):
+        logs = list(self.folder.rglob("log.txt"))
+        self.assertEqual(len(logs), 3)  # of the run, and of the two that were compared
+        for log in logs:
             self.assert_safe(log.read_text())
             self.assertIn("\\u001b[2J", log.read_text())
 
     def test_in_paths(self):
         out = self.folder / "a\x1b[31m\u202eb"
-        self.assert_all_safe(self.deform("run", self.write(SHEET), "--out", out))
-        self.assertTrue(out.is_dir())
-        self.assert_all_safe(self.deform("run", self.write(SHEET), "--out", out))
-        self.assert_all_safe(self.deform("report", self.folder / self.ORDERS))
-        self.assert_all_safe(self.deform(self.ORDERS))
-        self.assert_all_safe(self.deform("plugins", "--plugin-path", self.folder / self.ORDERS))
+        scene = self.write(SHEET)
+        for code, *arguments in ((DONE, "run", scene, "--out", out), (BAD_INPUT, "run", scene, "--out", out),
+                                 (BAD_INPUT, "report", self.folder / self.ORDERS), (BAD_INPUT, self.ORDERS),
+                                 (BAD_INPUT, "plugins", "--plugin-path", self.folder / self.ORDERS)):
+            result = self.deform(*arguments)
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assert_all_safe(result)
+            self.assertTrue(out.is_dir())
+
+
+class Words(BrokenPlugins):
+    """What is wrong with a command line is named, once."""
+
+    def says(self, *arguments):
+        result = self.deform(*arguments)
+        self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+        return result.stderr
+
+    def test_words_that_are_no_commands(self):
+        self.assertRegex(self.says("bogus"), '^deform: found "bogus", expected a command: run, compare, ')
+        self.assertRegex(self.says("plugin", "bogus"), '^deform: found "bogus", expected a command: new, check')
+
+    def test_replacements_without_a_value(self):
+        scene = self.write(SHEET)
+        for option, *command in (("--set", "run"), ("--set", "compare"), ("--vary", "compare")):
+            said = self.says(*command, scene, option, "density")
+            self.assertEqual(said.count(option), 1, said)
+            self.assertIn("'density' is not of the form", said)
 
 
 class Times(BrokenPlugins):
