@@ -235,7 +235,7 @@ class Refused(Checkpoints):
         self.file.unlink()
         self.file.mkdir()
         result = self.deform("run", self.path, "--out", self.out, "--resume")
-        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn(str(self.file), result.stderr)
 
 
