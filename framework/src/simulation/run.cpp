@@ -130,6 +130,8 @@ class Recording {
   void end_within(RunResult& result);
   void record(bool all_probes, bool all_outputs);
   [[nodiscard]] bool frame_due(long step) const;
+  /// Whether anything is due after this step.
+  [[nodiscard]] bool is_recorded(long step) const;
   /// Calls action(frame); what it makes the System compute counts as output, not as the model's
   /// time.
   template <class Action>
@@ -413,12 +415,16 @@ bool Recording::settle() {
   const bool last = step == total;
   const bool stop = !last && interrupted();
   // Before the recording: see Checkpoint. The last one serves who prolongs the run.
-  watched(Doing::checkpointing, [&] {
-    if (last || stop || schedule_.due(step)) save_checkpoint();
-    keep_checkpoint();
-  });
+  before_step_.reset();
+  const bool saves = last || stop || schedule_.due(step);
+  if (saves || last_step_ > StepWatch::kPatience)
+    watched(Doing::checkpointing, [&] {
+      if (saves) save_checkpoint();
+      keep_checkpoint();
+    });
   // A row too many goes when the run is resumed; a frame's files would stay.
-  watched(Doing::recording, [&] { record(last || stop, last); });
+  if (last || stop || is_recorded(step))
+    watched(Doing::recording, [&] { record(last || stop, last); });
   if (stop) {
     end_with(
         ExitCode::interrupted,
@@ -435,7 +441,6 @@ void Recording::save_checkpoint() {
 
 /// Long steps alone are thrown away, and next to them this costs nothing.
 void Recording::keep_checkpoint() {
-  before_step_.reset();
   if (last_step_ <= StepWatch::kPatience || checkpoint_step_ == parts_.simulation->steps()) return;
   const Stopwatch watch(parts_.simulation->system().times().output, "checkpoint");
   before_step_ = make_checkpoint();
@@ -489,11 +494,11 @@ bool Recording::frame_due(long step) const {
   return trajectory_.has_value() && step % frame_interval_ == 0;
 }
 
+bool Recording::is_recorded(long step) const {
+  return step == 0 || parts_.probes->due(step) || parts_.outputs->due(step) || frame_due(step);
+}
+
 void Recording::record(bool all_probes, bool all_outputs) {
-  const long step = parts_.simulation->steps();
-  const bool due =
-      step == 0 || parts_.probes->due(step) || parts_.outputs->due(step) || frame_due(step);
-  if (!due && !all_probes && !all_outputs) return;
   writing_.require_success();  // rather before a frame than within it
   apart_from_model([&](const Frame& frame) {
     parts_.probes->record(frame, all_probes);
