@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tbb/global_control.h>
 
 #include "deform/error.h"
@@ -20,6 +21,7 @@
 
 #include "commit.h"
 #include "compare_command.h"
+#include "interrupt.h"
 #include "plugin_command.h"
 #include "plugins_command.h"
 #include "progress.h"
@@ -58,7 +60,7 @@ struct Arguments {
 Replacement parse_replacement(const std::string& text) {
   const std::size_t sign = text.find('=');
   if (sign == std::string::npos || !text.starts_with('/')) {
-    throw CLI::ValidationError("--set", "'" + text + "' is not of the form /POINTER=VALUE");
+    throw CLI::ValidationError("'" + text + "' is not of the form /POINTER=VALUE");
   }
   return {text.substr(0, sign), text.substr(sign + 1)};
 }
@@ -66,7 +68,7 @@ Replacement parse_replacement(const std::string& text) {
 Variation parse_variation(const std::string& text) {
   const std::size_t sign = text.find('=');
   if (sign == std::string::npos || !text.starts_with('/')) {
-    throw CLI::ValidationError("--vary", "'" + text + "' is not of the form /POINTER=V1,V2,…");
+    throw CLI::ValidationError("'" + text + "' is not of the form /POINTER=V1,V2,…");
   }
   return {text.substr(0, sign), split_values(text.substr(sign + 1))};
 }
@@ -297,6 +299,25 @@ void require_working_folder() {
                      "): change to one that is there");
 }
 
+/// Why the words that come first are no command; empty where they are one.
+std::string objection_to_command(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* level = &app;
+  for (int i = 1; i < argc && level->get_require_subcommand_min() > 0; ++i) {
+    const std::string word = argv[i];
+    if (word.starts_with('-')) return "";
+    const CLI::App* next = nullptr;
+    std::vector<std::string> names;
+    for (const CLI::App* command : level->get_subcommands({})) {
+      names.push_back(command->get_name());
+      if (command->check_name(word)) next = command;
+    }
+    if (next == nullptr)
+      return fmt::format("found \"{}\", expected a command: {}", word, fmt::join(names, ", "));
+    level = next;
+  }
+  return "";
+}
+
 int execute(int argc, char** argv) {
   CLI::App app("Simulates elastically deformable surfaces; every choice is a plugin.", "deform");
   app.set_version_flag("--version", std::string("deform ") + version());
@@ -313,6 +334,10 @@ int execute(int argc, char** argv) {
   const CLI::App& validate = add_validate(app, arguments);
   const CLI::App& report = add_report(app, arguments);
   const CLI::App& schema = add_schema(app, arguments);
+  if (const std::string why = objection_to_command(app, argc, argv); !why.empty()) {
+    complain("{}", why);
+    return static_cast<int>(ExitCode::bad_input);
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -348,6 +373,7 @@ int execute(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   deform::app::occupy_standard_streams();
+  deform::app::prepare_signals();
   deform::watch_process_end();
   // Before any plugin brings OpenBLAS with it: its threads get in the way of ours, and let results
   // depend on their number.

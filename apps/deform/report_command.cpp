@@ -8,6 +8,7 @@
 #include "deform/error.h"
 #include "deform/report/report.h"
 
+#include "interrupt.h"
 #include "terminal.h"
 
 namespace deform::app {
@@ -21,6 +22,8 @@ int write_reports(const std::filesystem::path& folder, bool png) {
 AddedReport add_report(const std::filesystem::path& folder) {
   if (find_report_page().empty())
     return {"none: its page was not built (deform report says more)", ExitCode::done};
+  // It may take its time: who interrupts has none.
+  if (!end_when_interrupted()) return {"none: deform report makes it", ExitCode::done};
   try {
     return {write_report(folder).string(), ExitCode::done};
   } catch (const Error& e) {

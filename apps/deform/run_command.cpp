@@ -98,10 +98,7 @@ int run_scene(const RunCommand& command, const std::shared_ptr<const PluginRegis
   // A comparison has a report of its own, which shows them all.
   if (!scene.frames_written || command.part_of_comparison || result.kept_old_run)
     return static_cast<int>(result.code);
-  // A long run's takes its time: who interrupts has none.
-  const AddedReport report = result.code == ExitCode::interrupted
-                                 ? AddedReport{"none: deform report makes it", ExitCode::done}
-                                 : add_report(options.folder);
+  const AddedReport report = add_report(options.folder);
   if (!quiet) say("  report        {}\n", report.told);
   return static_cast<int>(result.code == ExitCode::done ? report.code : result.code);
 }

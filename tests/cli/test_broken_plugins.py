@@ -203,6 +203,18 @@ class Failing(BrokenPlugins):
                 message = self.fails(kind, "throws", "failed while", cause, what=what)
                 self.assertEqual(message.count("failed while"), 1, message)
 
+    def test_throwing_answers(self):
+        """What a plugin is asked of itself before it does anything."""
+        for where, more in (("is_static", {}), ("lags_coefficients", {}), ("solves", {"solver": "cholmod"}),
+                            ("resolves_contacts", {"colliders": [{"plugin": "plane", "point": [0, 0, -9]}]})):
+            with self.subTest(where):
+                scene = sheet("integrator", {"plugin": "throws", "what": "int", "where": where})
+                result = self.deform("run", self.write({**scene, **more}), "--out", self.out, "--force",
+                                     "--plugin-path", FIXTURES)
+                self.assertEqual(result.returncode, PLUGIN_FAILED, result.stderr)
+                self.assertIn(f"integrator/throws ({FIXTURES}/integrator-throws.so) failed while saying what it is",
+                              result.stderr)
+
     def test_the_run_directory_tells_what_happened(self):
         self.fails("force", "throws", what="own")
         summary = json.loads((self.out / "summary.json").read_text())

@@ -144,18 +144,6 @@ class Stopped(Checkpoints):
                 self.assertEqual(self.load("manifest.json")["resumed_after_step"], steps)
                 self.assert_same_results(expected)
 
-    def test_second_signal_ends_it_at_once(self):
-        # Steps that take long: the first signal alone would have to wait for one.
-        path = self.write(scene(surface={"plugin": "grid", "nodes": [129, 129],
-                                          "differences": "forward"}, outputs=[]))
-        process = self.start(path)
-        self.wait_for_checkpoint(process)
-        process.send_signal(signal.SIGINT)
-        process.send_signal(signal.SIGTERM)
-        process.communicate(timeout=TIMEOUT)
-        self.assertEqual(process.returncode, 130)
-        self.assertEqual(self.load("manifest.json")["status"], "running")
-
     def test_prolonged_from_a_few_steps(self):
         path = self.write(scene())
         expected = self.run_whole(path)
@@ -247,7 +235,7 @@ class Refused(Checkpoints):
         self.file.unlink()
         self.file.mkdir()
         result = self.deform("run", self.path, "--out", self.out, "--resume")
-        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertEqual(result.returncode, 2, result.stderr)
         self.assertIn(str(self.file), result.stderr)
 
 

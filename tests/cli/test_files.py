@@ -719,6 +719,43 @@ class Refusals(FilesTest):
                 result = self.deform("run", self.folder / "sheet.json", "--out", self.out, "--resume")
                 self.assertEqual(result.returncode, 2, result.stderr)
 
+    def test_json_that_nests_deep(self):
+        deep = "[" * 200000 + "]" * 200000
+        for name in ("scene.json", "manifest.json", "summary.json"):
+            with self.subTest(name):
+                shutil.rmtree(self.out, ignore_errors=True)
+                self.run_scene(sheet(outputs=[]))
+                (self.out / name).write_text('{"program": "deform", "a": ' + deep + "}")
+                self.assertIn(self.deform("report", self.out).returncode, (0, 2))
+                result = self.deform("run", self.folder / "sheet.json", "--out", self.out, "--resume")
+                self.assertEqual(result.returncode, 2, result.stderr)
+
+    def test_files_that_are_none(self):
+        """To open a pipe takes for ever where nobody writes into it."""
+        scene = self.write(sheet(outputs=[]))
+        for name in ("manifest.json", "trajectory.bin", "summary.json", "scene.json", "checkpoint.bin", "probes.csv"):
+            with self.subTest(name):
+                shutil.rmtree(self.out, ignore_errors=True)
+                self.run_scene(sheet(outputs=[]))
+                (self.out / name).unlink()
+                os.mkfifo(self.out / name)
+                self.assertIn(self.deform("report", self.out).returncode, (0, 2))
+                # What prolongs a run looks at its checkpoint, and not at its summary.
+                result = self.deform("run", scene, "--out", self.out, "--resume", "--set", "/duration=0.4")
+                self.assertEqual(result.returncode, 0 if name == "summary.json" else 2, result.stderr)
+                self.assertNotIn("internal error", result.stderr)
+                result = self.deform("run", scene, "--out", self.out, "--force")
+                self.assertEqual(result.returncode, 2 if name == "manifest.json" else 0, result.stderr)
+
+    def test_files_that_no_memory_holds(self):
+        scene = self.write(sheet(outputs=[]))
+        for name in ("checkpoint.bin", "scene.json", "manifest.json"):
+            with self.subTest(name):
+                shutil.rmtree(self.out, ignore_errors=True)
+                self.run_scene(sheet(outputs=[]))
+                os.truncate(self.out / name, 10 << 40)
+                self.refuse("run", scene, "--out", self.out, "--resume", "--set", "/duration=100", words=[name])
+
     def test_hostile_json_of_a_comparison(self):
         scene = self.write(sheet(outputs=[]))
         for name, text in (("base/summary.json", '{"status": 5}'), ("base/manifest.json", "[]"),

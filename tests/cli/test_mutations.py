@@ -33,6 +33,7 @@ PATIENCE = 15  # seconds; a run that takes longer is asked to end, and has to
 MOST_MEMORY = 4 << 30  # bytes of address space
 
 DONE, REFUSED, INTERRUPTED = 0, 2, 130
+CRASH = r"it (crashed|called)"  # no scene may do that to the plugins that are ours
 ENDS = {DONE, REFUSED, 3, 4, 5, INTERRUPTED}
 
 
@@ -66,6 +67,8 @@ def objection(folder, code, said):
         return f"goes on after {PATIENCE} s, and {PATIENCE} s after SIGTERM"
     if code not in ENDS:
         return f"ends with {code}"
+    if re.search(CRASH, said):
+        return f"a plugin ends the process: {said[:300]}"
     written = sorted(path.name for path in folder.iterdir())
     if code != REFUSED:  # what fails before its first step may have written nothing
         return None if set(written) <= {"out", "scene.json"} else f"wrote {written}"
@@ -101,11 +104,11 @@ class Mutations(unittest.TestCase):
         with tempfile.TemporaryDirectory(prefix="deform_mutant_") as place:
             folder = Path(place)
             (folder / "scene.json").write_text(text, encoding="utf-8", errors="surrogatepass")
-            validated, _ = deform(folder, "validate", "scene.json")
+            validated, complaint = deform(folder, "validate", "scene.json")
             code, said = deform(folder, "run", "scene.json", "--out", "out", "--threads", "1", "--quiet")
             wrong = objection(folder, code, said)
-            if not wrong and validated not in (DONE, REFUSED, 4):
-                wrong = f"`validate` ends with {validated}"
+            if not wrong and (validated not in (DONE, REFUSED, 4) or re.search(CRASH, complaint)):
+                wrong = f"`validate` ends with {validated}: {complaint[:300]}"
             if not wrong and code == REFUSED and validated != REFUSED:
                 wrong = f"is refused by `run`, but `validate` ends with {validated}"
         if str(code) == SHOWN:

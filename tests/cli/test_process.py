@@ -5,6 +5,7 @@ import copy
 import json
 import os
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -46,10 +47,10 @@ def slow_sheet(integrator, **changes):
 
 
 class Interrupted(BrokenPlugins):
-    def start(self, *arguments, seconds):
+    def start(self, *arguments, seconds, **how):
         process = subprocess.Popen([PROGRAM, *map(str, arguments)], text=True, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, stdin=subprocess.DEVNULL,
-                                   env={**os.environ, "DEFORM_FIXTURE_SECONDS": str(seconds)})
+                                   env={**os.environ, "DEFORM_FIXTURE_SECONDS": str(seconds)}, **how)
         self.addCleanup(process.kill)
         return process
 
@@ -110,10 +111,56 @@ class Interrupted(BrokenPlugins):
         process = self.start("run", scene, "--out", self.out, "--plugin-path", FIXTURES, seconds=120)
         self.wait_for_second_step(process, self.out)
         process.send_signal(signal.SIGTERM)
+        time.sleep(0.5)  # less, and it may be the same request
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=60)
         self.assertEqual(process.returncode, INTERRUPTED)
+        # Nothing was written any more, not even how it ended.
+        self.assertEqual(json.loads((self.out / "manifest.json").read_text())["status"], "running")
         self.resumes_to_the_same_bits(scene, "--plugin-path", FIXTURES)
+
+    def test_one_request_in_two_signals(self):
+        """What `timeout` sends to the process, and to its group."""
+        scene = self.write(slow_sheet({"plugin": "semi_implicit"}))
+        process = self.start("run", scene, "--out", self.out, "--plugin-path", FIXTURES, seconds=120)
+        self.wait_for_second_step(process, self.out)
+        process.send_signal(signal.SIGTERM)
+        time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        _, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        self.assertIn("interrupted within step 3 of 5", said)
+        self.assertEqual(json.loads((self.out / "manifest.json").read_text())["status"], "interrupted")
+
+    def test_what_is_ignored_stays_ignored(self):
+        for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM):
+            with self.subTest(number):
+                scene = self.write(slow_sheet({"plugin": "semi_implicit"}))
+                process = self.start("run", scene, "--out", self.out, "--force", "--plugin-path", FIXTURES, seconds=0.4,
+                                     preexec_fn=lambda: signal.signal(number, signal.SIG_IGN))
+                self.wait_for_second_step(process, self.out)
+                process.send_signal(number)
+                _, said = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, DONE, said)
+                shutil.rmtree(self.out)
+
+    def test_while_a_comparison_makes_plugins(self):
+        """Ctrl-C goes to the whole group, also to the process that makes them."""
+        scene = self.write(slow_sheet({"plugin": "semi_implicit"}))
+        scene_of_one = json.loads(scene.read_text())
+        scene_of_one["forces"][1]["being_made"] = True
+        scene.write_text(json.dumps(scene_of_one))
+        process = self.start("compare", scene, "--out", self.out, "--plugin-path", FIXTURES, "--reference", "refined",
+                             seconds=120, start_new_session=True)
+        deadline = time.monotonic() + TIMEOUT
+        while not Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text():
+            self.assertIsNone(process.poll())
+            self.assertLess(time.monotonic(), deadline)
+        time.sleep(0.2)
+        os.killpg(process.pid, signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        self.assertNotIn("plugin", said)
 
     def test_a_comparison(self):
         scene = slow_sheet({"plugin": "static"}, variants={"stiff": {"/energies/0/eta": 2.0}})
@@ -124,6 +171,50 @@ class Interrupted(BrokenPlugins):
         for run in ("base", "stiff"):
             manifest = json.loads((self.out / run / "manifest.json").read_text())
             self.assertEqual(manifest["status"], "interrupted")
+
+    def stops_outside_of_the_model(self, told, steps, **changes):
+        """A step, all that is recorded, and what begins and ends it are given up alike."""
+        scene = slow_sheet({"plugin": "semi_implicit"}, **changes)
+        del scene["forces"][1]
+        scene = self.write(scene)
+        shutil.rmtree(self.out, ignore_errors=True)
+        process = self.start("run", scene, "--out", self.out, "--plugin-path", FIXTURES, seconds=120)
+        said = self.stop_in_a_long_step(process, *([self.out] if steps else []))
+        self.assertRegex(said, told)
+        for name in ("summary.json", "manifest.json"):
+            found = json.loads((self.out / name).read_text())
+            self.assertEqual((found["status"], found["steps"]), ("interrupted", steps))
+        self.resumes_to_the_same_bits(scene, "--plugin-path", FIXTURES)
+
+    def test_while_a_step_is_recorded(self):
+        for what, told, steps in (
+                ({"probes": ["lowest", {"plugin": "slow", "from": 2}]},
+                 "interrupted after 3 of 5 steps, before all was recorded; --resume goes on after step 3", 3),
+                ({"outputs": [{"plugin": "slow", "from": 2}]},
+                 "interrupted after 3 of 5 steps, before all was recorded; --resume goes on after step 3", 3),
+                # The checkpoint after step 4 waits for the third step's files.
+                ({"outputs": [{"plugin": "slow", "from": 2, "while": "behind"}]},
+                 "interrupted after 4 of 5 steps, before all was recorded; --resume goes on after step 3", 4),
+                ({"outputs": [{"plugin": "slow", "while": "ending"}]},
+                 "interrupted after 5 of 5 steps, before all was recorded; --resume goes on after step 5", 5)):
+            with self.subTest(what):
+                self.stops_outside_of_the_model(told, steps, **what)
+
+    def test_while_a_probe_follows_a_step(self):
+        """The step is done then, and thrown away all the same."""
+        self.stops_outside_of_the_model("interrupted within step 3 of 5.*--resume goes on after step 2$", 2,
+                                        probes=["lowest", {"plugin": "slow", "from": 2, "while": "following"}])
+
+    def test_before_the_first_step(self):
+        scene = slow_sheet({"plugin": "semi_implicit"}, outputs=[{"plugin": "slow", "while": "beginning"}])
+        process = self.start("run", self.write(scene), "--out", self.out, "--plugin-path", FIXTURES, seconds=120)
+        while not (self.out / "probes.csv").exists():
+            self.assertIsNone(process.poll())
+            time.sleep(0.02)
+        process.send_signal(signal.SIGTERM)
+        _, said = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, INTERRUPTED, said)
+        self.assertIn("interrupted after 0 of 5 steps, before all was recorded; there is no checkpoint yet", said)
 
     def test_long_steps_are_kept_though_no_checkpoint_is_due(self):
         scene = slow_sheet({"plugin": "semi_implicit"}, checkpoint={"seconds": 0})
@@ -153,6 +244,11 @@ class EndedByAPlugin(BrokenPlugins):
             self.assertEqual((manifest["status"], manifest["exit_code"]), ("plugin failed", 4))
             self.assertIn(self.ORIGIN, manifest["reason"])
             self.assertIn(cause, manifest["reason"])
+
+    def test_its_children_end_as_they_like(self):
+        scene = self.write(sheet("force", {"plugin": "ends", "how": "child"}))
+        result = self.deform("run", scene, "--out", self.out, "--plugin-path", FIXTURES)
+        self.assertEqual((result.returncode, result.stderr), (DONE, ""))
 
     def test_in_a_constructor(self):
         for how, cause in self.CAUSES.items():
@@ -202,6 +298,30 @@ class EndedByAPlugin(BrokenPlugins):
             self.assertEqual(runs[name]["status"], "plugin failed", runs[name])
             self.assertIn(self.ORIGIN, runs[name]["reason"])
             self.assertIn(cause, runs[name]["reason"])
+
+
+class Inherited(BrokenPlugins):
+    """What whoever began the program left it with."""
+
+    def program(self, *arguments, prepare, **how):
+        return subprocess.run([PROGRAM, *map(str, arguments)], text=True, stderr=subprocess.PIPE, timeout=TIMEOUT,
+                              cwd=self.folder, preexec_fn=prepare, **how)
+
+    def test_ends_of_children_that_are_ignored(self):
+        scene = self.write({**SHEET, "variants": {"heavy": {"/material/density": 0.2}}})
+        result = self.program("compare", scene, "--out", self.out, "--quiet",
+                              prepare=lambda: signal.signal(signal.SIGCHLD, signal.SIG_IGN))
+        self.assertEqual(result.returncode, DONE, result.stderr)
+
+    def test_files_that_may_not_grow(self):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))
+        self.assertEqual(self.deform("run", self.write(SHEET), "--out", self.out).returncode, DONE)
+        for arguments in (("schema",), ("schema", "--out", self.folder / "schemas"), ("report", self.out)):
+            with self.subTest(arguments), open(self.folder / "said", "w") as said:
+                result = self.program(*arguments, prepare=limit, stdout=said)
+                self.assertEqual(result.returncode, INTERNAL, result.stderr)
+                self.assertIn("cannot write", result.stderr)
 
 
 class Streams(BrokenPlugins):
@@ -259,25 +379,53 @@ class Texts(BrokenPlugins):
     def test_in_titles_labels_and_names(self):
         scene = held_sheet(title=self.ORDERS, duration=0.11)
         scene["probes"] = [{"plugin": "point", "where": {"boundary": "left"}, "label": self.ORDERS}, {"plugin": "lowest"}]
-        scene["variants"] = {self.ORDERS.replace("\n", " "): {"/material/density": 0.2}}
+        scene["variants"] = {"heavy": {"/material/density": 0.2}}
         path = self.write(scene)
-        for arguments in (("run", path, "--out", self.out, "--force"), ("validate", path),
-                          ("compare", path, "--out", self.folder / "c"),
-                          ("run", path, "--variant", self.ORDERS), ("run", self.ORDERS)):
+        named = self.folder / "named.json"
+        named.write_text(json.dumps({**scene, "variants": {self.ORDERS: {"/material/density": 0.2}}}))
+        for code, *arguments in ((DONE, "run", path, "--out", self.out, "--force"), (DONE, "validate", path),
+                                 (DONE, "compare", path, "--out", self.folder / "c"),
+                                 (BAD_INPUT, "run", path, "--variant", self.ORDERS), (BAD_INPUT, "run", self.ORDERS),
+                                 (BAD_INPUT, "validate", named)):
             result = self.deform(*arguments)
+            self.assertEqual(result.returncode, code, result.stderr)
             self.assert_all_safe(result)
-        for log in self.folder.rglob("log.txt"):
+        logs = list(self.folder.rglob("log.txt"))
+        self.assertEqual(len(logs), 3)  # of the run, and of the two that were compared
+        for log in logs:
             self.assert_safe(log.read_text())
             self.assertIn("\\u001b[2J", log.read_text())
 
     def test_in_paths(self):
         out = self.folder / "a\x1b[31m\u202eb"
-        self.assert_all_safe(self.deform("run", self.write(SHEET), "--out", out))
-        self.assertTrue(out.is_dir())
-        self.assert_all_safe(self.deform("run", self.write(SHEET), "--out", out))
-        self.assert_all_safe(self.deform("report", self.folder / self.ORDERS))
-        self.assert_all_safe(self.deform(self.ORDERS))
-        self.assert_all_safe(self.deform("plugins", "--plugin-path", self.folder / self.ORDERS))
+        scene = self.write(SHEET)
+        for code, *arguments in ((DONE, "run", scene, "--out", out), (BAD_INPUT, "run", scene, "--out", out),
+                                 (BAD_INPUT, "report", self.folder / self.ORDERS), (BAD_INPUT, self.ORDERS),
+                                 (BAD_INPUT, "plugins", "--plugin-path", self.folder / self.ORDERS)):
+            result = self.deform(*arguments)
+            self.assertEqual(result.returncode, code, result.stderr)
+            self.assert_all_safe(result)
+            self.assertTrue(out.is_dir())
+
+
+class Words(BrokenPlugins):
+    """What is wrong with a command line is named, once."""
+
+    def says(self, *arguments):
+        result = self.deform(*arguments)
+        self.assertEqual(result.returncode, BAD_INPUT, result.stderr)
+        return result.stderr
+
+    def test_words_that_are_no_commands(self):
+        self.assertRegex(self.says("bogus"), '^deform: found "bogus", expected a command: run, compare, ')
+        self.assertRegex(self.says("plugin", "bogus"), '^deform: found "bogus", expected a command: new, check')
+
+    def test_replacements_without_a_value(self):
+        scene = self.write(SHEET)
+        for option, *command in (("--set", "run"), ("--set", "compare"), ("--vary", "compare")):
+            said = self.says(*command, scene, option, "density")
+            self.assertEqual(said.count(option), 1, said)
+            self.assertIn("'density' is not of the form", said)
 
 
 class Times(BrokenPlugins):

@@ -39,6 +39,18 @@ TEST(StepWatch, LeavesAloneWhatEndsByItself) {
   EXPECT_FALSE(watch.stop());  // it has begun only now
 }
 
+TEST(StepWatch, LeavesLittleTimeToWhatBeginsLate) {
+  std::atomic<bool> interrupted = true, given_up = false;
+  StepWatch watch(&interrupted);
+  std::this_thread::sleep_for(StepWatch::kLastResort);
+  const std::function<void()> give_up = [&] { given_up = true; };
+  const Clock::time_point begun = Clock::now();
+  const StepWatch::Span span(watch, give_up);
+  while (!given_up) std::this_thread::sleep_for(milliseconds(1));
+  EXPECT_GE(Clock::now() - begun, StepWatch::kLeast);
+  EXPECT_LT(Clock::now() - begun, StepWatch::kLastResort);
+}
+
 TEST(StepWatch, WatchesNothingWhereNobodyInterrupts) {
   StepWatch watch(nullptr);
   const std::function<void()> give_up = [] { FAIL(); };

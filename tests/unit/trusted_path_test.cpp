@@ -1,12 +1,15 @@
 #include "plugin/trusted_path.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <pwd.h>
 #include <string>
 #include <unistd.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/xattr.h>
 
 namespace deform {
 namespace {
@@ -51,6 +54,59 @@ TEST_F(TrustedPath, IsWritableByNobodyElse) {
 TEST_F(TrustedPath, LiesInFoldersOfTheUser) {
   fs::permissions(root_ / "a", fs::perms::all);
   EXPECT_EQ(objection_to(folder_), "is not safe: " + (root_ / "a").string() + " is world-writable");
+}
+
+/// The user "nobody" for a while, whose primary group is that of others, too.
+class AsNobody {
+ public:
+  AsNobody() { is_he_ = ::seteuid(kNobody) == 0; }
+  ~AsNobody() { (void)!::seteuid(0); }
+  AsNobody(const AsNobody&) = delete;
+  AsNobody& operator=(const AsNobody&) = delete;
+  [[nodiscard]] bool is_he() const { return is_he_; }
+  static constexpr uid_t kNobody = 65534;
+
+ private:
+  bool is_he_;
+};
+
+TEST_F(TrustedPath, IsNotChangedByAnothersPrimaryGroup) {
+  const passwd* const nobody = ::getpwuid(AsNobody::kNobody);
+  if (::geteuid() != 0 || nobody == nullptr) GTEST_SKIP() << "for root alone";
+  const gid_t group = nobody->pw_gid;
+  bool is_anothers = false;
+  ::setpwent();
+  while (const passwd* user = ::getpwent())
+    is_anothers = is_anothers || (user->pw_gid == group && user->pw_uid != AsNobody::kNobody);
+  ::endpwent();
+  if (!is_anothers) GTEST_SKIP() << "nobody has a group of his own";
+  for (const fs::path& made : {root_, root_ / "a", folder_})
+    ASSERT_EQ(::chown(made.c_str(), AsNobody::kNobody, group), 0);
+  const AsNobody nobody_now;
+  ASSERT_TRUE(nobody_now.is_he());
+  EXPECT_EQ(objection_to(folder_), "");
+  fs::permissions(folder_, fs::perms::group_write, fs::perm_options::add);
+  EXPECT_THAT(objection_to(folder_), HasSubstr("is writable by a group"));
+}
+
+TEST_F(TrustedPath, IsNotChangedByAnAccessList) {
+  fs::permissions(folder_, fs::perms::group_write, fs::perm_options::add);
+  if (!objection_to(folder_).empty()) GTEST_SKIP() << "the user's group is not private";
+  constexpr std::uint32_t kNoOne = ~0U;
+  struct Entry {
+    std::uint16_t tag, permissions;
+    std::uint32_t id;
+  };
+  struct {
+    std::uint32_t version = 2;
+    Entry owner{1, 7, kNoOne}, user{2, 7, AsNobody::kNobody}, group{4, 7, kNoOne},
+        mask{0x10, 7, kNoOne}, others{0x20, 0, kNoOne};
+  } list;
+  if (::setxattr(folder_.c_str(), "system.posix_acl_access", &list, sizeof list, 0) != 0)
+    GTEST_SKIP() << "no access lists here";
+  EXPECT_THAT(objection_to(folder_), HasSubstr("access control list"));
+  fs::permissions(folder_, fs::perms::group_write, fs::perm_options::remove);  // the list's mask
+  EXPECT_EQ(objection_to(folder_), "");
 }
 
 TEST_F(TrustedPath, IsNotChangedByGroups) {

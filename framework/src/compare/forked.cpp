@@ -102,30 +102,38 @@ std::string take(const Json& outcome) {
   throw Error(code, message);
 }
 
-[[noreturn]] void be_child(const std::function<std::string()>& make, const Scratch& result,
-                           const Scratch& said) {
+[[noreturn]] void be_child(pid_t parent, const std::function<std::string()>& make,
+                           const Scratch& result, const Scratch& said) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
+  if (::getppid() != parent) exit_at_once(1);  // it ended before it could be watched
+  // Ctrl-C goes to the whole group: the parent ends this one.
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_IGN);
   ::dup2(said.file(), STDERR_FILENO);
   watch_this_process();
   ::_exit(result.write(outcome_of(make)) ? 0 : 1);
 }
 
-/// Waits for a child's end; returns its status.
+/// Waits for a child's end; returns its status. Throws Error when interrupted.
 int wait_for(pid_t child, const std::atomic<bool>* interrupted) {
   constexpr std::chrono::milliseconds kLongestPause{20};
   std::chrono::milliseconds pause{1};
   int status = 0;
-  while (::waitpid(child, &status, WNOHANG) != child) {
-    if (interrupted != nullptr && interrupted->load()) {
+  const auto is_interrupted = [=] { return interrupted != nullptr && interrupted->load(); };
+  for (;;) {
+    const pid_t ended = ::waitpid(child, &status, WNOHANG);
+    if (ended < 0 && errno != EINTR) {
+      throw Error(ExitCode::internal_error, "cannot wait for the process that makes plugins: " +
+                                                std::generic_category().message(errno));
+    }
+    if (ended != child && is_interrupted()) {
       ::kill(child, SIGKILL);
       (void)::waitpid(child, &status, 0);
-      throw Error(ExitCode::interrupted, "interrupted before the first run");
     }
+    if (is_interrupted()) throw Error(ExitCode::interrupted, "interrupted before the first run");
+    if (ended == child) return status;
     std::this_thread::sleep_for(pause);
     pause = std::min(2 * pause, kLongestPause);
   }
-  return status;
 }
 
 std::string how_it_ended(int status, std::string said) {
@@ -145,9 +153,10 @@ std::string in_child(const std::function<std::string()>& make,
                      const std::atomic<bool>* interrupted) {
   const Scratch result, said;
   const bool can_fork = has_one_thread() && result.file() >= 0 && said.file() >= 0;
+  const pid_t parent = ::getpid();
   const pid_t child = can_fork ? ::fork() : -1;
   if (child < 0) return make();
-  if (child == 0) be_child(make, result, said);
+  if (child == 0) be_child(parent, make, result, said);
   const int status = wait_for(child, interrupted);
   // Complete or nothing: a plugin that leaves the process leaves no outcome.
   const Json outcome = Json::parse(result.read(), nullptr, false);

@@ -11,6 +11,7 @@
 
 #include "compare/forked.h"
 #include "compare/run_names.h"
+#include "plugin/guard.h"
 #include "scene/json.h"
 #include "scene/json_pointer.h"
 #include "scene/nearest_name.h"
@@ -227,7 +228,8 @@ class Planner {
           PartMaker maker(scene, registry_);
           const auto surface = maker.make<Surface>(scene.surface, maker.setup());
           maker.throw_problems();
-          const auto refinement = surface->object->refinement();
+          const auto refinement = guarded(surface->origin, "saying how it is refined",
+                                          [&] { return surface->object->refinement(); });
           if (refinement.empty())
             throw InputError(fmt::format(
                 "--reference refined: {} does not say which of its parameters make its nodes twice "

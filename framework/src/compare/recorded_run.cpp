@@ -39,6 +39,16 @@ void for_fields(std::string_view line, const Action& action) {
   }
 }
 
+/// Bytes of the first line: a name that is quoted may hold others.
+std::size_t end_of_header(std::string_view text) {
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '"') is_quoted = !is_quoted;
+    if (text[i] == '\n' && !is_quoted) return i + 1;
+  }
+  return text.size();
+}
+
 double figure_of(std::string_view text) {
   double figure = std::numeric_limits<double>::quiet_NaN();
   std::from_chars(text.data(), text.data() + text.size(), figure);
@@ -66,7 +76,7 @@ FigureTable read_probes(const fs::path& file, const Json& summary) {
   const auto text = read_file(file);
   if (!text) return table;
   std::string_view rest = *text;
-  rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
+  rest.remove_prefix(end_of_header(rest));
   while (!rest.empty()) {
     const std::size_t end = rest.find('\n');
     if (end == std::string_view::npos) break;  // cut off

@@ -37,6 +37,11 @@ void BackgroundQueue::drain() {
   if (!was_told_) throw_failure();
 }
 
+bool BackgroundQueue::drain_within(std::chrono::milliseconds longest) {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, longest, [&] { return jobs_.empty(); });
+}
+
 void BackgroundQueue::require_success() {
   const std::lock_guard lock(mutex_);
   throw_failure();

@@ -1,6 +1,7 @@
 /// Jobs that are done in another thread.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <deque>
 #include <exception>
@@ -27,6 +28,9 @@ class BackgroundQueue {
   void require_success();
   /// Waits until nothing is left to do. Throws what a job threw, unless it has been thrown before.
   void drain();
+  /// Waits that long at most; returns whether nothing is left to do. Throws nothing; from any
+  /// thread.
+  [[nodiscard]] bool drain_within(std::chrono::milliseconds longest);
 
  private:
   void work();

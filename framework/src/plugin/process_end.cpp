@@ -112,6 +112,11 @@ bool is_near_stack(const siginfo_t& info, const void* context) noexcept {
 }
 
 void on_crash(int signal, siginfo_t* info, void* context) {
+  if (::getpid() != watched) {
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);  // comes when this returns
+    return;
+  }
   wait_if_it_ends_already();
   switch (signal) {
     case SIGSEGV:

@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 
 namespace deform {
 namespace {
@@ -24,6 +25,23 @@ constexpr int kMostLinks = 40;
 constexpr std::size_t kEntry = std::size_t{1} << 14U;
 
 bool is_trusted(uid_t owner) { return owner == 0 || owner == ::geteuid(); }
+
+/// Whose own group it is need not be told among its members.
+bool is_primary_of_another(gid_t group, uid_t owner) {
+  bool found = false;
+  ::setpwent();
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): plugins are looked for before there are other threads
+  for (const passwd* user = ::getpwent(); user != nullptr && !found; user = ::getpwent())
+    found = user->pw_gid == group && user->pw_uid != owner;
+  ::endpwent();
+  return found;
+}
+
+/// Whether more than owner, group and all others are told what they may do: the group's bits are
+/// then what the others who are named may do at most.
+bool has_access_list(const fs::path& path) {
+  return ::lgetxattr(path.c_str(), "system.posix_acl_access", nullptr, 0) > 0;
+}
 
 /// Whether a group is that of its owner alone: the custom where new files are writable by groups.
 bool is_private(gid_t group, uid_t owner) {
@@ -40,16 +58,18 @@ bool is_private(gid_t group, uid_t owner) {
     return false;
   for (char** member = members.gr_mem; *member != nullptr; ++member)
     if (std::string_view(*member) != user.pw_name) return false;
-  return true;
+  return !is_primary_of_another(group, owner);
 }
 
 /// Who else could change what is there; empty: nobody.
-std::string others_of(const struct stat& status, bool leads_on) {
+std::string others_of(const fs::path& path, const struct stat& status, bool leads_on) {
   if (!is_trusted(status.st_uid)) return fmt::format("belongs to another user ({})", status.st_uid);
   if (leads_on && (status.st_mode & S_ISVTX) != 0) return "";
   if ((status.st_mode & S_IWOTH) != 0) return "is world-writable";
   if ((status.st_mode & S_IWGRP) != 0 && !is_private(status.st_gid, status.st_uid))
     return fmt::format("is writable by a group ({})", status.st_gid);
+  if ((status.st_mode & S_IWGRP) != 0 && has_access_list(path))
+    return "may be writable by others: it has an access control list";
   return "";
 }
 
@@ -90,7 +110,7 @@ std::string objection_to(const fs::path& path) {
       put_first(target, steps);
       continue;
     }
-    const std::string why = others_of(status, !steps.empty());
+    const std::string why = others_of(here, status, !steps.empty());
     if (!why.empty()) return is_path ? why : on_the_way(here, why);
     if (steps.empty()) return "";
     const std::string step = steps.front();

@@ -6,6 +6,8 @@
 #include "deform/model/reduction.h"
 #include "deform/record/loads_at.h"
 
+#include "solve/asked.h"
+
 namespace deform {
 namespace {
 
@@ -19,7 +21,7 @@ double internal(const Frame& frame) {
   const auto& terms = frame.system.energies();
   double sum = 0;
   for (std::size_t i = 0; i < terms.size(); ++i)
-    if (terms[i].object->traits().potential) sum += frame.system.energy(i, frame.state);
+    if (has_potential(terms[i])) sum += frame.system.energy(i, frame.state);
   return sum;
 }
 

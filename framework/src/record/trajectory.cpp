@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,13 +13,27 @@
 #include "deform/error.h"
 
 #include "record/trajectory_format.h"
+#include "simulation/json_file.h"
 
 namespace deform {
 
 using namespace trajectory_format;
 
+namespace {
+
+/// To open a pipe may take for ever.
+std::filesystem::path regular(std::filesystem::path file) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (exists(status) && !is_regular_file(status))
+    throw InputError(fmt::format("{} is not a trajectory: it is no regular file", file.string()));
+  return file;
+}
+
+}  // namespace
+
 Trajectory::Trajectory(std::filesystem::path file)
-    : path_(std::move(file)), file_(path_, std::ios::binary) {
+    : path_(regular(std::move(file))), file_(path_, std::ios::binary) {
   if (!file_) throw InputError(fmt::format("there is no trajectory '{}'", path_.string()));
   try {
     read_header();
@@ -40,7 +55,8 @@ void Trajectory::read_header() {
   if (length > kMostHeader) throw std::runtime_error("its header is too long");
   std::string text(length, '\0');
   read(kMagic.size() + sizeof length, text.data(), length);
-  const Json header = Json::parse(text);
+  const Json header = parse_json(text);
+  if (!header.is_object()) throw std::runtime_error("its header is no JSON object");
   first_frame_ = kMagic.size() + sizeof length + length;
   const auto count = [&header](const char* key) {
     const Json& number = header.at(key);

@@ -8,7 +8,7 @@ namespace deform {
 
 class BalanceGuards {
  public:
-  BalanceGuards(const System& system, const Integrator& integrator)
+  BalanceGuards(const System& system, const Named<Integrator>& integrator)
       : energy_(system, integrator), momentum_(system, integrator) {}
 
   /// Whether the step that begins with this number of steps done is looked at: `begin` and `end`

@@ -7,6 +7,8 @@
 
 #include "deform/log.h"
 
+#include "solve/asked.h"
+
 namespace deform {
 namespace {
 
@@ -19,10 +21,8 @@ constexpr double kStill = 1e-8;
 /// Part of an energy that is its rounding, or what Newton's method leaves.
 constexpr double kRounding = 1e-9;
 
-bool knows_energy(const System& system, const Integrator& integrator) {
-  return !integrator.is_static() && std::ranges::all_of(system.energies(), [](const auto& e) {
-    return e.object->traits().potential;
-  });
+bool knows_energy(const System& system, const Named<Integrator>& integrator) {
+  return !is_static(integrator) && have_potential(system);
 }
 
 double kinetic_and_internal(const Frame& frame) {
@@ -57,7 +57,7 @@ bool is_unchanged(const Frame& frame, double earlier) {
 
 }  // namespace
 
-EnergyGuard::EnergyGuard(const System& system, const Integrator& integrator)
+EnergyGuard::EnergyGuard(const System& system, const Named<Integrator>& integrator)
     : account_(system), is_known_(knows_energy(system, integrator)) {
   is_conservative_ = is_known_ && system.without_potential().empty();
 }

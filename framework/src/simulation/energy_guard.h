@@ -26,7 +26,7 @@ namespace deform {
 /// and of terms without a potential nothing is known.
 class EnergyGuard {
  public:
-  EnergyGuard(const System& system, const Integrator& integrator);
+  EnergyGuard(const System& system, const Named<Integrator>& integrator);
 
   /// Whether the account of the step that begins with this number of steps done is taken: `begin`
   /// and `end` are called then, and `at_break` in between.

@@ -2,6 +2,9 @@
 
 #include <cerrno>
 #include <fcntl.h>
+#include <limits>
+#include <new>
+#include <stdexcept>
 #include <system_error>
 #include <unistd.h>
 #include <utility>
@@ -29,6 +32,7 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   [[nodiscard]] int get() const { return number_; }
+  [[nodiscard]] int release() { return std::exchange(number_, -1); }
   /// 0, or the error: some file systems report a failed write only here.
   [[nodiscard]] int close() { return ::close(std::exchange(number_, -1)) == 0 ? 0 : errno; }
 
@@ -47,6 +51,26 @@ int write_all(int descriptor, std::string_view content) {
     content.remove_prefix(static_cast<std::size_t>(written));
   }
   return 0;
+}
+
+/// Where it is more than the machine has [bytes], nothing is read.
+std::uint64_t memory() {
+  const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGESIZE);
+  return pages > 0 && size > 0
+             ? static_cast<std::uint64_t>(pages) * static_cast<std::uint64_t>(size)
+             : std::numeric_limits<std::uint64_t>::max();
+}
+
+/// Room for a file's bytes.
+std::string room_for(const std::filesystem::path& file, off_t bytes) {
+  try {
+    if (std::cmp_less_equal(bytes, memory()))
+      return std::string(static_cast<std::size_t>(bytes), '\0');
+  } catch (const std::bad_alloc&) {  // said below
+  } catch (const std::length_error&) {
+  }
+  throw InputError(
+      fmt::format("cannot read {}: there is no room for its {} bytes", file.string(), bytes));
 }
 
 /// Shortens a file and goes to its end; 0, or −1 with errno.
@@ -99,8 +123,9 @@ std::optional<std::string> read_file(const std::filesystem::path& file) {
   }
   struct stat status {};
   if (::fstat(descriptor.get(), &status) != 0) fail("read", file, errno);
-  if (!S_ISREG(status.st_mode)) fail("read", file, EINVAL);
-  std::string content(static_cast<std::size_t>(status.st_size), '\0');
+  if (!S_ISREG(status.st_mode))
+    throw InputError(fmt::format("cannot read {}: it is not a regular file", file.string()));
+  std::string content = room_for(file, status.st_size);
   std::size_t size = 0;
   while (size < content.size()) {
     const ssize_t count = ::read(descriptor.get(), content.data() + size, content.size() - size);
@@ -141,18 +166,15 @@ std::string missing_from(const std::filesystem::path& folder, const WrittenFile&
 
 AppendFile::AppendFile(std::filesystem::path file, std::size_t keep)
     : file_(std::move(file)), size_(keep) {
-  descriptor_ =
-      keep == 0 ? make_file(file_) : ::open(file_.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
-  if (descriptor_ < 0) fail(keep == 0 ? "make" : "go on with", file_, errno);
-  const off_t end = ::lseek(descriptor_, 0, SEEK_END);
+  Descriptor opened(keep == 0 ? make_file(file_)
+                              : ::open(file_.c_str(), O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
+  if (opened.get() < 0) fail(keep == 0 ? "make" : "go on with", file_, errno);
+  const off_t end = ::lseek(opened.get(), 0, SEEK_END);
   int error = end < 0 ? errno : std::cmp_less(end, keep) ? EINVAL : 0;
-  if (error == 0 && cut_to(descriptor_, keep) != 0) error = errno;
-  if (error == 0) {
-    if (keep > 0) (void)add_file(hash_, file_, keep);
-    return;
-  }
-  ::close(descriptor_);
-  fail("go on with", file_, error);
+  if (error == 0 && cut_to(opened.get(), keep) != 0) error = errno;
+  if (error != 0) fail("go on with", file_, error);
+  if (keep > 0) (void)add_file(hash_, file_, keep);
+  descriptor_ = opened.release();
 }
 
 AppendFile::~AppendFile() {

@@ -18,7 +18,8 @@ namespace deform {
 void write_atomically(const std::filesystem::path& file, std::string_view content);
 
 /// The content of a regular file; nothing where there is no file, nor can be one of that name.
-/// Throws Error naming the file and the cause when it cannot be read.
+/// Throws InputError where there is something else, or more than memory holds, and Error when it
+/// cannot be read; both name the file and the cause.
 [[nodiscard]] std::optional<std::string> read_file(const std::filesystem::path& file);
 
 /// A file of a run as it was at some time.

@@ -7,6 +7,8 @@
 #include "deform/log.h"
 #include "deform/record/loads_at.h"
 
+#include "solve/asked.h"
+
 namespace deform {
 namespace {
 
@@ -31,8 +33,8 @@ double momenta(const System& system, const NodeVectors& v) {
 
 }  // namespace
 
-MomentumGuard::MomentumGuard(const System& system, const Integrator& integrator)
-    : is_known_(!integrator.is_static() && !has_own_impulses(system)) {}
+MomentumGuard::MomentumGuard(const System& system, const Named<Integrator>& integrator)
+    : is_known_(!is_static(integrator) && !has_own_impulses(system)) {}
 
 bool MomentumGuard::watches(long steps) const { return is_known_ && !warned_ && is_guarded(steps); }
 

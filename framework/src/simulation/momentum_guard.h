@@ -16,7 +16,7 @@ namespace deform {
 /// not the same wherever the surface is.
 class MomentumGuard {
  public:
-  MomentumGuard(const System& system, const Integrator& integrator);
+  MomentumGuard(const System& system, const Named<Integrator>& integrator);
 
   /// Whether the step that begins with this number of steps done is looked at: `begin` and `end`
   /// are called then, and `at_break` in between.

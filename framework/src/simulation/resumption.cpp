@@ -9,6 +9,7 @@
 
 #include "simulation/files.h"
 #include "simulation/folder_lock.h"
+#include "simulation/json_file.h"
 #include "simulation/old_run.h"
 #include "simulation/run_directory.h"
 #include "simulation/scene_files.h"
@@ -19,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Json parsed(const std::optional<std::string>& text) {
-  Json json = text ? Json::parse(*text, nullptr, false) : Json();
+  Json json = text ? parse_json(*text) : Json();
   return json.is_discarded() ? Json() : json;
 }
 

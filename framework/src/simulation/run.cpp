@@ -1,13 +1,18 @@
 #include "deform/simulation/run.h"
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
+#include <future>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -19,8 +24,8 @@
 #include "profile/profile.h"
 #include "record/trajectory_writer.h"
 #include "scene/json.h"
-#include "simulation/checkpoint.h"
 #include "simulation/balance_guards.h"
+#include "simulation/checkpoint.h"
 #include "simulation/files.h"
 #include "simulation/held_folder.h"
 #include "simulation/manifest.h"
@@ -41,6 +46,8 @@ namespace {
 constexpr const char *kProbesFile = "probes.csv", *kSummaryFile = "summary.json";
 /// Where a checkpoint keeps the steps between frames.
 constexpr const char* kFrameInterval = "trajectory/interval";
+/// Of who gives up, for what others are about.
+constexpr std::chrono::milliseconds kLongestWait{100};
 constexpr const char* kNothingWritten = "interrupted before the first step; nothing was written";
 /// What a profiled run leaves in its directory.
 constexpr const char *kProfileTable = "profile.txt", *kProfileTrace = "trace.json";
@@ -72,6 +79,28 @@ class Recording {
   RunResult execute();
 
  private:
+  /// What may take long.
+  enum class Doing : std::uint8_t {
+    beginning,
+    checkpointing,
+    recording,
+    stepping,
+    clearing,
+    ending
+  };
+  /// What is known as one of these begins.
+  struct Stock {
+    Doing doing = Doing::beginning;
+    long steps = 0;   // done
+    double time = 0;  // after them [s]
+    StepTimes times;
+    std::vector<ColumnSummary> figures;
+    std::string solver;
+    const Checkpoint* fallback = nullptr;  // that may be written in place of the one in the folder
+    bool has_old_run = false;
+    RunResult result;
+  };
+
   void load_checkpoint();
   void require_unchanged_files() const;
   void begin_folder();
@@ -79,35 +108,60 @@ class Recording {
   void open_trajectory();
   void step_to_end();
   void step();
-  /// The step under way never ends: the directory is finished without it, and the process left.
-  void give_step_up();
+  /// What the run is at, and what is known as it begins: all that give_up may look at, as the main
+  /// thread goes on meanwhile. To be called outside of the watch's spans.
+  void take_stock(Doing doing);
+  /// Does something under the watch, which gives it up when it goes on after a signal.
+  template <class Action>
+  void watched(Doing doing, const Action& action);
+  /// What is being done never ends: the directory is finished without it, and the process left. In
+  /// the watch's thread.
+  void give_up() noexcept;
+  /// Ends the outputs and closes the files as far as nobody is at work with them; returns the
+  /// files.
+  [[nodiscard]] std::vector<WrittenFile> leave_files(RunResult& result);
   /// What comes between two steps. Returns whether there is a next one.
   [[nodiscard]] bool settle();
   void save_checkpoint();
   void keep_checkpoint();
   [[nodiscard]] Checkpoint make_checkpoint();
   void write(const Checkpoint& checkpoint);
-  void end_within_step();
+  /// Goes back to the last checkpoint: what comes after it is thrown away.
+  void end_within(RunResult& result);
   void record(bool all_probes, bool all_outputs);
   [[nodiscard]] bool frame_due(long step) const;
+  /// Whether anything is due after this step.
+  [[nodiscard]] bool is_recorded(long step) const;
   /// Calls action(frame); what it makes the System compute counts as output, not as the model's
   /// time.
   template <class Action>
   void apart_from_model(const Action& action);
   template <class Action>
   void apart_from_model(const Frame& frame, const Action& action);
-  void end_with(ExitCode code, const std::string& reason);
+  static void end(RunResult& result, ExitCode code, const std::string& reason);
+  void end_with(ExitCode code, const std::string& reason) { end(result_, code, reason); }
   void end_with(const Error& error);
   void finish();
-  void close_files();
+  [[nodiscard]] std::vector<WrittenFile> close_files(RunResult& result);
+  /// summary.json and manifest.json, from what is known.
+  void conclude(RunResult& result, const std::vector<WrittenFile>& files);
   void write_profile();
-  void keep_old_run();
+  void keep_old_run(RunResult& result);
   /// For what comes after the end: a failure counts only where there was none before.
   template <class Action>
-  void and_also(const Action& action);
-  [[nodiscard]] Json summary() const;
+  static void and_also(RunResult& result, const Action& action);
+  template <class Action>
+  void and_also(const Action& action) {
+    and_also(result_, action);
+  }
+  [[nodiscard]] Json summary(const RunResult& result) const;
   [[nodiscard]] bool interrupted() const {
     return options_.interrupted != nullptr && options_.interrupted->load();
+  }
+  [[nodiscard]] double stepping_seconds() const {
+    if (!stepping_since_) return 0;
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - *stepping_since_)
+        .count();
   }
   [[nodiscard]] double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
@@ -130,13 +184,15 @@ class Recording {
   StepWatch& watch_;
   /// What to go on from if the step under way is thrown away; of long steps alone.
   std::optional<Checkpoint> before_step_;
-  std::chrono::steady_clock::duration last_step_{0};
+  std::chrono::steady_clock::duration last_step_{0};  // recording included
   std::optional<std::chrono::steady_clock::time_point> stepping_since_;
-  StepTimes times_before_step_;  // the step that is given up may still write the System's
-  bool gave_step_up_ = false;
+  Stock stock_;
+  bool is_thrown_away_ = false;  // what came after the stock was taken
+  bool is_given_up_ = false;
   std::optional<LastNote> last_note_;
   long frame_interval_;
-  long checkpoint_step_ = -1;  // of the checkpoint in the folder
+  std::atomic<long> checkpoint_step_ = -1;    // of the checkpoint in the folder
+  std::recursive_timed_mutex checkpointing_;  // while it is written
   std::optional<Diverged> divergence_;
   RunResult result_;
   BackgroundQueue writing_;  // the last: what its jobs look at outlives it
@@ -212,7 +268,7 @@ RunResult Recording::execute() {
   begin_folder();
   log::info(fmt::format("run '{}': {} steps of {} s", scene_.title, scene_.steps(), scene_.step));
   if (found_.checkpoint) {
-    log::info(fmt::format("resumed after step {}", checkpoint_step_));
+    log::info(fmt::format("resumed after step {}", checkpoint_step_.load()));
     manifest_.resume(checkpoint_step_);
     manifest_.write(folder_);
     if (frame_interval_ != scene_.frame_interval())
@@ -226,7 +282,7 @@ RunResult Recording::execute() {
   try {
     write_atomically(folder_ / "scene.json", scene_text(scene_, folder_));
     for (const std::string& note : parts_.simulation->system().notes()) log::info(note);
-    start();
+    watched(Doing::beginning, [this] { start(); });
     const Profile::Active active(profile_ ? &*profile_ : nullptr);
     const Span span("run");
     parts_.simulation->system().times() = {};
@@ -237,22 +293,22 @@ RunResult Recording::execute() {
     end_with(e);
   } catch (const Error& e) {
     if (e.code() == ExitCode::interrupted)
-      end_within_step();
+      end_within(result_);
     else
       end_with(e);
   } catch (const std::exception& e) {
     end_with(ExitCode::internal_error, e.what());
   }
   finish();
-  keep_old_run();
+  keep_old_run(result_);
   return std::move(result_);
 }
 
 /// Where the new run ended before its first step, and there is an old one.
-void Recording::keep_old_run() {
+void Recording::keep_old_run(RunResult& result) {
   if (!held_.give_old_back()) return;
-  result_.kept_old_run = true;
-  result_.reason += fmt::format("; the run that was in '{}' stays", options_.folder.string());
+  result.kept_old_run = true;
+  result.reason += fmt::format("; the run that was in '{}' stays", options_.folder.string());
 }
 
 void Recording::start() {
@@ -270,11 +326,12 @@ void Recording::open_trajectory() {
 }
 
 void Recording::step_to_end() {
+  auto begun = std::chrono::steady_clock::now();
   while (settle()) {
-    const auto begun = std::chrono::steady_clock::now();
-    step();
-    last_step_ = std::chrono::steady_clock::now() - begun;
-    held_.drop_old();
+    watched(Doing::stepping, [this] { step(); });
+    const auto ended = std::chrono::steady_clock::now();
+    last_step_ = ended - std::exchange(begun, ended);
+    if (held_.has_old()) watched(Doing::clearing, [this] { held_.drop_old(); });
     if (profile_) profile_->end_step();
     if (options_.progress) options_.progress(parts_.simulation->steps(), scene_.steps());
   }
@@ -282,9 +339,6 @@ void Recording::step_to_end() {
 }
 
 void Recording::step() {
-  const std::function<void()> give_up = [this] { give_step_up(); };
-  const StepWatch::Span watched(watch_, give_up);
-  times_before_step_ = parts_.simulation->system().times();
   const bool watches = guards_.watches(parts_.simulation->steps());
   if (parts_.probes->none() && !watches) return parts_.simulation->step();
   if (watches) apart_from_model([this](const Frame& frame) { guards_.begin(frame); });
@@ -300,26 +354,61 @@ void Recording::step() {
   });
 }
 
-void Recording::give_step_up() {
-  if (!options_.abandon) return;
-  gave_step_up_ = true;
-  end_within_step();
-  finish();
-  keep_old_run();
-  options_.abandon(result_);
+void Recording::take_stock(Doing doing) {
+  const Simulation& simulation = *parts_.simulation;
+  stock_.doing = doing;
+  stock_.result = result_;
+  stock_.has_old_run = held_.has_old() && doing != Doing::clearing;
+  const bool is_used = doing == Doing::checkpointing || doing == Doing::ending;
+  stock_.fallback = before_step_ && !is_used ? &*before_step_ : nullptr;
+  if (is_thrown_away_) return;  // what came since does not count
+  stock_.steps = simulation.steps();
+  stock_.time = simulation.state().time;
+  stock_.times = parts_.simulation->system().times();
+  stock_.figures = parts_.probes->summaries();
+  stock_.solver = parts_.simulation->system().solver_choice();
 }
 
-/// The state is no longer, or not yet, one that a checkpoint could be made of.
-void Recording::end_within_step() {
-  and_also([this] {
-    if (before_step_) write(*before_step_);
-  });
-  end_with(ExitCode::interrupted,
-           fmt::format("interrupted within step {} of {}, which is thrown away; {}",
-                       parts_.simulation->steps() + 1, scene_.steps(),
-                       checkpoint_step_ >= 0
-                           ? fmt::format("--resume goes on after step {}", checkpoint_step_)
-                           : "there is no checkpoint yet"));
+template <class Action>
+void Recording::watched(Doing doing, const Action& action) {
+  take_stock(doing);
+  const std::function<void()> give_up = [this] { this->give_up(); };
+  const StepWatch::Span span(watch_, give_up);
+  action();
+}
+
+void Recording::give_up() noexcept {
+  if (!options_.abandon) return;
+  RunResult result;
+  result.code = ExitCode::interrupted;
+  // Not let go any more: what the main thread is writing gets into the folder now or never.
+  const std::unique_lock no_more(checkpointing_, kLongestWait);
+  try {
+    is_given_up_ = true;
+    result = stock_.result;
+    result.stepping_seconds = stepping_seconds();
+    end_within(result);
+    conclude(result, leave_files(result));
+    if (stock_.has_old_run) and_also(result, [&] { keep_old_run(result); });
+  } catch (...) {  // no room for a word of it, and the process has to end all the same
+  }
+  options_.abandon(result);
+}
+
+void Recording::end_within(RunResult& result) {
+  const bool is_first = result.code == ExitCode::done;
+  is_thrown_away_ = true;
+  if (stock_.fallback != nullptr) and_also(result, [this] { write(*stock_.fallback); });
+  if (!is_first) return;  // the first reason is the one that counts
+  const long done = stock_.steps, total = scene_.steps(), kept = checkpoint_step_;
+  const std::string where =
+      stock_.doing == Doing::stepping
+          ? fmt::format("within step {} of {}, which is thrown away", done + 1, total)
+          : fmt::format("after {} of {} steps, before all was recorded", done, total);
+  end(result, ExitCode::interrupted,
+      fmt::format("interrupted {}; {}", where,
+                  kept >= 0 ? fmt::format("--resume goes on after step {}", kept)
+                            : "there is no checkpoint yet"));
 }
 
 bool Recording::settle() {
@@ -327,10 +416,16 @@ bool Recording::settle() {
   const bool last = step == total;
   const bool stop = !last && interrupted();
   // Before the recording: see Checkpoint. The last one serves who prolongs the run.
-  if (last || stop || schedule_.due(step)) save_checkpoint();
-  keep_checkpoint();
+  before_step_.reset();
+  const bool saves = last || stop || schedule_.due(step);
+  if (saves || last_step_ > StepWatch::kPatience)
+    watched(Doing::checkpointing, [&] {
+      if (saves) save_checkpoint();
+      keep_checkpoint();
+    });
   // A row too many goes when the run is resumed; a frame's files would stay.
-  record(last || stop, last);
+  if (last || stop || is_recorded(step))
+    watched(Doing::recording, [&] { record(last || stop, last); });
   if (stop) {
     end_with(
         ExitCode::interrupted,
@@ -347,7 +442,6 @@ void Recording::save_checkpoint() {
 
 /// Long steps alone are thrown away, and next to them this costs nothing.
 void Recording::keep_checkpoint() {
-  before_step_.reset();
   if (last_step_ <= StepWatch::kPatience || checkpoint_step_ == parts_.simulation->steps()) return;
   const Stopwatch watch(parts_.simulation->system().times().output, "checkpoint");
   before_step_ = make_checkpoint();
@@ -372,6 +466,7 @@ Checkpoint Recording::make_checkpoint() {
 }
 
 void Recording::write(const Checkpoint& checkpoint) {
+  const std::lock_guard lock(checkpointing_);
   write_checkpoint(folder_, checkpoint);
   checkpoint_step_ = checkpoint.step;
   schedule_.restart();
@@ -400,11 +495,11 @@ bool Recording::frame_due(long step) const {
   return trajectory_.has_value() && step % frame_interval_ == 0;
 }
 
+bool Recording::is_recorded(long step) const {
+  return step == 0 || parts_.probes->due(step) || parts_.outputs->due(step) || frame_due(step);
+}
+
 void Recording::record(bool all_probes, bool all_outputs) {
-  const long step = parts_.simulation->steps();
-  const bool due =
-      step == 0 || parts_.probes->due(step) || parts_.outputs->due(step) || frame_due(step);
-  if (!due && !all_probes && !all_outputs) return;
   writing_.require_success();  // rather before a frame than within it
   apart_from_model([&](const Frame& frame) {
     parts_.probes->record(frame, all_probes);
@@ -416,9 +511,9 @@ void Recording::record(bool all_probes, bool all_outputs) {
   });
 }
 
-void Recording::end_with(ExitCode code, const std::string& reason) {
-  result_.code = code;
-  result_.reason = reason;
+void Recording::end(RunResult& result, ExitCode code, const std::string& reason) {
+  result.code = code;
+  result.reason = reason;
   log::info(fmt::format("the run ends: {}", reason));
 }
 
@@ -430,7 +525,7 @@ void Recording::end_with(const Error& error) {
 }
 
 template <class Action>
-void Recording::and_also(const Action& action) {
+void Recording::and_also(RunResult& result, const Action& action) {
   std::string failure;
   ExitCode code = ExitCode::internal_error;
   try {
@@ -442,55 +537,83 @@ void Recording::and_also(const Action& action) {
   } catch (const std::exception& e) {
     failure = e.what();
   }
-  if (result_.code == ExitCode::done) {
-    end_with(code, failure);
+  if (result.code == ExitCode::done) {
+    end(result, code, failure);
   } else {
     log::warn(failure);  // the first reason is the one that counts
   }
 }
 
 void Recording::finish() {
-  if (divergence_ && divergence_->step() > parts_.simulation->steps()) {
-    and_also([this] { record(true, true); });  // the last good state
-  }
-  if (stepping_since_) {
-    const std::chrono::duration<double> whole = std::chrono::steady_clock::now() - *stepping_since_;
-    result_.stepping_seconds = whole.count();
-  }
-  and_also([this] { writing_.drain(); });
-  and_also([this] { parts_.outputs->end(); });
-  if (profile_ && !gave_step_up_) and_also([this] { write_profile(); });
-  close_files();
+  std::vector<WrittenFile> files;
+  watched(Doing::ending, [&] {
+    if (divergence_ && divergence_->step() > parts_.simulation->steps())
+      and_also([this] { record(true, true); });  // the last good state
+    result_.stepping_seconds = stepping_seconds();
+    and_also([this] { writing_.drain(); });
+    and_also([this] { parts_.outputs->end(); });
+    if (profile_) and_also([this] { write_profile(); });
+    files = close_files(result_);
+  });
+  take_stock(Doing::ending);
+  conclude(result_, files);
+}
 
-  Simulation& simulation = *parts_.simulation;
-  result_.steps = simulation.steps();
-  result_.times = gave_step_up_ ? times_before_step_ : simulation.system().times();
-  result_.times.steps = simulation.steps() - result_.resumed_after;
+std::vector<WrittenFile> Recording::leave_files(RunResult& result) {
+  const bool is_written = writing_.drain_within(kLongestWait);
+  // The main thread is at work with them otherwise.
+  if (stock_.doing != Doing::stepping) return {};
+  if (is_written) {
+    // What hangs is left behind, with the process.
+    auto ending = std::make_shared<std::promise<void>>();
+    std::future<void> ended = ending->get_future();
+    std::thread([this, ending] {
+      try {
+        parts_.outputs->end();
+        ending->set_value();
+      } catch (...) {
+        ending->set_exception(std::current_exception());
+      }
+    }).detach();
+    if (ended.wait_for(kLongestWait) == std::future_status::ready)
+      and_also(result, [&] { ended.get(); });
+  }
+  return close_files(result);
+}
+
+void Recording::conclude(RunResult& result, const std::vector<WrittenFile>& files) {
+  for (const WrittenFile& file : files) manifest_.add_result(file);
+  result.steps = stock_.steps;
+  result.times = stock_.times;
+  result.times.steps = stock_.steps - result.resumed_after;
   const auto& columns = parts_.probes->columns();
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    result_.figures.emplace_back(header_of(columns[i]), parts_.probes->summaries()[i].last);
+    result.figures.emplace_back(header_of(columns[i]), stock_.figures[i].last);
   }
-  and_also([this] {
-    const std::string text = summary().dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  and_also(result, [&] {
+    const std::string text =
+        summary(result).dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
     write_atomically(folder_ / kSummaryFile, text);
     manifest_.add_result({kSummaryFile, text.size(), sha256_of(text)});
   });
-  result_.wall_seconds = seconds();
-  log::info(fmt::format("{} after {} steps and {:.3f} s", status_of(result_.code), result_.steps,
-                        result_.wall_seconds));
+  result.wall_seconds = seconds();
+  log::info(fmt::format("{} after {} steps and {:.3f} s", status_of(result.code), result.steps,
+                        result.wall_seconds));
   last_note_.reset();
-  and_also([this] { log_->close(); });
-  manifest_.finish(result_, simulation.system().solver_choice());
-  and_also([this] { manifest_.write(folder_); });
+  if (!is_given_up_) and_also(result, [this] { log_->close(); });
+  manifest_.finish(result, stock_.solver);
+  and_also(result, [this] { manifest_.write(folder_); });
 }
 
-void Recording::close_files() {
-  and_also([this] {
-    if (const auto table = parts_.probes->close()) manifest_.add_result(*table);
+std::vector<WrittenFile> Recording::close_files(RunResult& result) {
+  std::vector<WrittenFile> files;
+  and_also(result, [&] {
+    if (const auto table = parts_.probes->close()) files.push_back(*table);
   });
-  and_also([this] {
-    if (trajectory_) manifest_.add_result(trajectory_->close());
+  and_also(result, [&] {
+    if (trajectory_) files.push_back(trajectory_->close());
   });
+  return files;
 }
 
 void Recording::write_profile() {
@@ -499,13 +622,13 @@ void Recording::write_profile() {
   write_atomically(folder_ / kProfileTrace, profile_->trace());
 }
 
-Json Recording::summary() const {
+Json Recording::summary(const RunResult& result) const {
   Json json;
-  json["status"] = status_of(result_.code);
-  json["exit_code"] = static_cast<int>(result_.code);
-  json["reason"] = result_.reason;
-  json["steps"] = result_.steps;
-  json["time"] = parts_.simulation->state().time;
+  json["status"] = status_of(result.code);
+  json["exit_code"] = static_cast<int>(result.code);
+  json["reason"] = result.reason;
+  json["steps"] = result.steps;
+  json["time"] = stock_.time;
   if (divergence_) {
     json["step"] = divergence_->step();
     json["node"] = divergence_->node() >= 0 ? Json(divergence_->node()) : Json(nullptr);
@@ -514,7 +637,7 @@ Json Recording::summary() const {
   json["probes"] = Json::object();
   const auto& columns = parts_.probes->columns();
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    const ColumnSummary& column = parts_.probes->summaries()[i];
+    const ColumnSummary& column = stock_.figures[i];
     // NaN, where there is no figure, is written as null.
     json["probes"][columns[i].name] = {{"unit", columns[i].unit},
                                        {"final", column.last},

@@ -1,6 +1,6 @@
 #include "simulation/run_directory.h"
 
-#include <fstream>
+#include <exception>
 #include <string>
 #include <system_error>
 
@@ -10,6 +10,7 @@
 
 #include "scene/json.h"
 #include "simulation/folder_lock.h"
+#include "simulation/json_file.h"
 #include "simulation/old_run.h"
 
 namespace deform {
@@ -29,11 +30,11 @@ void remove_tree(const fs::path& entry) {
 }  // namespace
 
 bool has_manifest(const fs::path& folder) {
-  std::ifstream in(folder / kManifestFile);
-  if (!in) return false;
-  const Json manifest = Json::parse(in, nullptr, false);
-  return manifest.is_object() && manifest.contains("program") && manifest["program"].is_string() &&
-         manifest["program"] == "deform";
+  try {
+    return read_json_object(folder / kManifestFile).value("program", Json()) == "deform";
+  } catch (const std::exception&) {  // it is no file, or none that may be read, or no object
+    return false;
+  }
 }
 
 bool holds_nothing(const fs::path& folder) {

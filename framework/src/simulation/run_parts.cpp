@@ -11,6 +11,7 @@
 #include "simulation/constraint_remarks.h"
 #include "simulation/part_maker.h"
 #include "simulation/shadow_probe.h"
+#include "solve/asked.h"
 
 namespace deform {
 
@@ -121,7 +122,9 @@ std::vector<Problem> remarks_on(const RunParts& parts) {
   for (Problem& remark : constraint_remarks(*parts.simulation))
     remarks.push_back(scene.located(std::move(remark)));
   add_remarks_on_integrator(scene, remarks);
-  if (parts.simulation->integrator().lags_coefficients()) return remarks;
+  if (asked(parts.simulation->integrator(),
+            [](const Integrator& i) { return i.lags_coefficients(); }))
+    return remarks;
   const auto remark = [&](const std::string& pointer) {
     remarks.push_back(scene.located(
         {pointer,

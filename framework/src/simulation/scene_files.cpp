@@ -7,6 +7,7 @@
 
 #include "deform/error.h"
 
+#include "simulation/json_file.h"
 #include "simulation/sha256.h"
 
 namespace deform {
@@ -99,9 +100,10 @@ std::string scene_text(const Scene& scene, const fs::path& folder) {
 }
 
 std::string identity_of(const std::string& completed, const std::vector<HashedFile>& files) {
+  const Json parsed = parse_json(completed);
+  if (!parsed.is_object()) return "";
   // Not the ordered kind: how the author laid the scene out makes no difference.
-  nlohmann::json json = nlohmann::json::parse(completed, nullptr, false);
-  if (!json.is_object()) return "";
+  nlohmann::json json = parsed;
   for (const char* key : {"duration", "checkpoint"}) json.erase(key);
   for (const HashedFile& file : files) {
     if (nlohmann::json* path = member_at(json, file.pointer)) *path = file.sha256;

@@ -60,6 +60,10 @@ std::string Sha256::digits() const {
 }
 
 std::uintmax_t add_file(Sha256& hash, const std::filesystem::path& file, std::uintmax_t most) {
+  std::error_code error;
+  // A pipe may never begin.
+  if (std::filesystem::exists(file, error) && !std::filesystem::is_regular_file(file, error))
+    fail(file, "it is not a regular file");
   std::ifstream in(file, std::ios::binary);
   if (!in.is_open()) fail(file, "it cannot be opened");
   std::array<char, 1U << 16U> buffer{};

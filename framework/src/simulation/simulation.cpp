@@ -25,6 +25,7 @@
 #include "simulation/selection_remarks.h"
 #include "simulation/solver_check.h"
 #include "simulation/solver_uses.h"
+#include "solve/asked.h"
 #include "solve/not_finite.h"
 
 namespace deform {
@@ -211,9 +212,7 @@ void Simulation::Impl::make_energies(PartMaker& maker, const Setup& setup,
     auto made = maker.make<EnergyTerm>(use, setup);
     if (!made) continue;
     const bool is_compound = dynamic_cast<const CompoundTerm*>(made->object.get()) != nullptr;
-    const bool has_stiffness = is_compound || guarded(made->origin, "saying what it is", [&] {
-                                 return made->object->traits().potential;
-                               });
+    const bool has_stiffness = is_compound || has_potential(*made);
     const double own = use.parameters ? use.parameters->get<double>("retardation") : 0;
     if (own > 0 && !has_stiffness)
       maker.add({{use.pointer + "/retardation",
@@ -237,8 +236,9 @@ std::vector<Body> Simulation::Impl::make_bodies(PartMaker& maker, const Setup& s
 /// Whether the solver that the scene names takes the matrix is a question of the scene: it is asked
 /// now, not within the first step.
 void Simulation::Impl::check_solver(const SolverQueue::MakeSolvers& make_solvers) {
-  if (integrator.object->solves() != Integrator::Solves::lagged)
-    return require_solver(scene, *registry, *system, *integrator.object, make_solvers);
+  if (asked(integrator, [](const Integrator& i) { return i.solves(); }) !=
+      Integrator::Solves::lagged)
+    return require_solver(scene, *registry, *system, integrator, make_solvers);
   try {
     system->choose_solver();
   } catch (const InputError& e) {
@@ -295,7 +295,7 @@ void Simulation::Impl::set_initial_state() {
 /// From one time at which the model is not smooth to the next.
 void Simulation::Impl::advance_by_parts(const AtBreak& at_break) {
   const double end = state.time + scene.step, rounding = rounding_of_time(end, scene.step);
-  const bool is_static = integrator.object->is_static();
+  const bool is_static = deform::is_static(integrator);
   double longest = 0, shortest = scene.step;
   for (long parts = 1;; ++parts) {
     const double begin = state.time,
@@ -321,7 +321,9 @@ void Simulation::Impl::report_parts(long parts, double shortest, double longest)
 }
 
 void Simulation::Impl::advance_smoothly(double step) {
-  const bool collides = system->colliders() > 0 && !integrator.object->resolves_contacts();
+  const bool collides = system->colliders() > 0 && !asked(integrator, [](const Integrator& i) {
+                          return i.resolves_contacts();
+                        });
   const NodeVectors begin = collides ? state.r : NodeVectors();
   advance(step);
   check_state();
@@ -433,7 +435,7 @@ void Simulation::stop_when(const std::atomic<bool>* stop) {
 }
 
 const Scene& Simulation::scene() const { return impl_->scene; }
-const Integrator& Simulation::integrator() const { return *impl_->integrator.object; }
+const Named<Integrator>& Simulation::integrator() const { return impl_->integrator; }
 System& Simulation::system() { return *impl_->system; }
 const State& Simulation::state() const { return impl_->state; }
 long Simulation::steps() const { return impl_->steps; }

@@ -13,6 +13,7 @@
 
 #include "plugin/guard.h"
 #include "simulation/part_maker.h"
+#include "solve/asked.h"
 
 namespace deform {
 namespace {
@@ -26,18 +27,21 @@ struct Wanted {
 
 /// Where all has a potential with a tangent the matrix is symmetric, else a Jacobian.
 bool is_symmetric(const System& system, bool with_loads) {
-  const bool energies = std::ranges::all_of(
-      system.energies(), [](const auto& e) { return e.object->traits().potential; });
-  if (!with_loads) return energies;
+  if (!with_loads) return have_potential(system);
   return system.without_potential().empty() && system.without_tangent().empty();
 }
 
-Wanted wanted_by(const Integrator& integrator, const System& system) {
+bool solves_nothing(const Named<Integrator>& integrator) {
+  return asked(integrator, [](const Integrator& i) { return i.solves(); }) ==
+         Integrator::Solves::nothing;
+}
+
+Wanted wanted_by(const Named<Integrator>& integrator, const System& system) {
   const bool has_ties = !system.reduction().ties().empty();
-  const bool is_static = integrator.is_static();
+  const bool is_static = deform::is_static(integrator);
   Wanted wanted;
   wanted.traits = {.size = 3 * system.nodes(), .symmetric = true, .positive_definite = true};
-  if (integrator.solves() == Integrator::Solves::nothing) {
+  if (solves_nothing(integrator)) {
     wanted.text = "the matrix of masses of tied unknowns, as clamps and symmetries make them";
   } else if (!is_symmetric(system, is_static)) {
     wanted.traits.symmetric = wanted.traits.positive_definite = false;
@@ -72,7 +76,9 @@ std::vector<std::string> others_that_take(const Wanted& wanted, const Scene& sce
           maker.make<LinearSolver>({PluginKind::solver, name, nullptr, "/solver"},
                                    maker.setup(system.surface(), system.rest(), system.areas()));
       if (solver && takes(*solver, wanted, system.nodes()))
-        found.emplace_back(-solver->object->suitability(wanted.traits), name);
+        found.emplace_back(
+            -asked(*solver, [&](const LinearSolver& s) { return s.suitability(wanted.traits); }),
+            name);
     } catch (const Error&) {  // one that does not load is none to recommend
       continue;
     }
@@ -86,9 +92,9 @@ std::vector<std::string> others_that_take(const Wanted& wanted, const Scene& sce
 }  // namespace
 
 void require_solver(const Scene& scene, const PluginRegistry& registry, const System& system,
-                    const Integrator& integrator, const SolverQueue::MakeSolvers& make_solvers) {
-  const bool is_explicit = integrator.solves() == Integrator::Solves::nothing;
-  if (is_explicit && system.reduction().ties().empty()) return;
+                    const Named<Integrator>& integrator,
+                    const SolverQueue::MakeSolvers& make_solvers) {
+  if (solves_nothing(integrator) && system.reduction().ties().empty()) return;
   const Wanted wanted = wanted_by(integrator, system);
   const std::vector<Named<LinearSolver>> solvers = make_solvers();
   const bool any = std::ranges::any_of(

@@ -12,6 +12,7 @@ namespace deform {
 /// Throws InputError at /solver, naming the solver, the matrix and the solvers that take it, when
 /// `make_solvers` gives none that does; the matrix is that of `integrator` (Integrator::solves).
 void require_solver(const Scene& scene, const PluginRegistry& registry, const System& system,
-                    const Integrator& integrator, const SolverQueue::MakeSolvers& make_solvers);
+                    const Named<Integrator>& integrator,
+                    const SolverQueue::MakeSolvers& make_solvers);
 
 }  // namespace deform

@@ -32,9 +32,9 @@ void StepWatch::watch(const std::atomic<bool>& interrupted) {
   const Clock::time_point told = Clock::now();
   do {
     if (give_up_ == nullptr) continue;
-    const auto waited = Clock::now() - std::max(told, begun_);
-    stop_ = waited >= kPatience;
-    if (waited < kLastResort) continue;
+    const Clock::time_point now = Clock::now();
+    stop_ = now >= std::max(told, begun_) + kPatience;
+    if (now < std::max(told + kLastResort, begun_ + kLeast)) continue;
     (*give_up_)();  // under the lock: the span cannot end meanwhile
     return;
   } while (!changed_.wait_for(lock, kPause, ends));

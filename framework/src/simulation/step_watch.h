@@ -1,4 +1,4 @@
-/// Ends steps that go on after a run was told to stop.
+/// Ends what goes on after a run was told to stop.
 #pragma once
 
 #include <atomic>
@@ -12,12 +12,12 @@ namespace deform {
 
 /// Looks, in a thread of its own, whether a run is interrupted while it does something that may
 /// take long. What ends by itself within kPatience does so and counts; then `stop` becomes true,
-/// which a System heeds; what has not ended after kLastResort either, because it asks nobody (a
-/// factorisation, a plugin that hangs), is given up.
+/// which a System heeds. What has not ended kLastResort after the run was told, because it asks
+/// nobody (a factorisation, a plugin that hangs), is given up; what begins then still has kLeast.
 class StepWatch {
  public:
   using Clock = std::chrono::steady_clock;
-  static constexpr std::chrono::milliseconds kPatience{500}, kLastResort{1500};
+  static constexpr std::chrono::milliseconds kPatience{500}, kLastResort{1500}, kLeast{100};
 
   /// Null: nothing is watched.
   explicit StepWatch(const std::atomic<bool>* interrupted);

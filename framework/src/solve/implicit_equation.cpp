@@ -6,6 +6,7 @@
 #include "deform/parallel.h"
 
 #include "profile/profile.h"
+#include "solve/asked.h"
 #include "solve/not_finite.h"
 
 namespace deform {
@@ -21,8 +22,7 @@ constexpr Index kRows = 2048;
 void ImplicitEquation::begin(System& system, const Stage& s) {
   system_ = &system;
   stage_ = &s;
-  has_potential_ = std::ranges::all_of(system.energies(),
-                                       [](const auto& e) { return e.object->traits().potential; });
+  has_potential_ = have_potential(system);
   has_beside_ = system.has_force_beside_potential();
   with_contacts_ = has_potential_ && system.colliders() > 0;
   contacts_begun_ = false;

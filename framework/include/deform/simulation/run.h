@@ -41,12 +41,13 @@ struct RunOptions {
   /// Called after each step with the steps done and to do.
   std::function<void(long done, long total)> progress;
   /// Ends the run when it becomes true: after the step under way if that ends within half a second;
-  /// else the step is thrown away, and the run ends at its last checkpoint.
+  /// else the step is thrown away, and the run ends at its last checkpoint. So it does where what
+  /// is recorded takes too long.
   const std::atomic<bool>* interrupted = nullptr;
-  /// Called, in place of a return, from another thread, where a step goes on for 1.5 s though it
-  /// was told to end: in a factorisation that cannot be stopped, say, or in a plugin that hangs.
-  /// The run directory is complete then. It must end the process, whose step still goes on. Empty:
-  /// the run waits for the step.
+  /// Called, in place of a return, from another thread, where a step, a probe or an output goes on
+  /// for 1.5 s though the run was told to end: in a factorisation that cannot be stopped, say, or
+  /// in a plugin that hangs. The run directory can be resumed then. It must end the process, in
+  /// which the step still goes on. Empty: the run waits.
   std::function<void(const RunResult&)> abandon{};
   std::vector<std::string> command_line;  ///< for the manifest
   std::string commit{};                   ///< of the program's sources, for the manifest

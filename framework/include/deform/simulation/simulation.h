@@ -38,7 +38,7 @@ class DEFORM_API Simulation {
 
   [[nodiscard]] const Scene& scene() const;
   [[nodiscard]] System& system();
-  [[nodiscard]] const Integrator& integrator() const;
+  [[nodiscard]] const Named<Integrator>& integrator() const;
   [[nodiscard]] const State& state() const;
   [[nodiscard]] long steps() const;
   /// The view for probes and outputs; brings the geometry up to date.
