@@ -335,7 +335,7 @@ void Recording::step_to_end() {
     if (profile_) profile_->end_step();
     if (options_.progress) options_.progress(parts_.simulation->steps(), scene_.steps());
   }
-  apart_from_model([this](const Frame& frame) { guards_.finish(frame); });
+  if (!interrupted()) apart_from_model([this](const Frame& frame) { guards_.finish(frame); });
 }
 
 void Recording::step() {
