@@ -205,6 +205,13 @@ class Static final : public Integrator {
     system.step_report().residuals.clear();
     NodeVectors before;
     double moved = kInfinity;  // by the last step [m]
+    // What is an equilibrium with the components held so far; nothing where less is held from now
+    // on, and the search goes on.
+    const auto ends = [&](double rounding) -> std::optional<Outcome> {
+      if (!release(system, state, lambda, rounding)) return accept(system, lambda, rounding);
+      before.resize(0, 3), moved = kInfinity;
+      return std::nullopt;
+    };
     for (std::int64_t i = 0;; ++i) {
       evaluate(system, state, steps, before);
       const double norm = residual_norm(system, lambda);
@@ -212,11 +219,10 @@ class Static final : public Integrator {
       const double relative = report(system, norm, i);
       const bool is_still = moved <= still_;
       if (relative <= parameters_.tolerance || (is_still && relative <= kRoundingOfForces)) {
-        if (!release(system, state, lambda)) return accept(system, lambda);
-        before.resize(0, 3), moved = kInfinity;
+        if (const auto outcome = ends(0)) return *outcome;
         continue;
       }
-      if (i == most || !std::isfinite(norm))
+      if (i >= most || !std::isfinite(norm))
         return {false,
                 std::to_string(i) + " iterations leave a residual of " + scientific(relative)};
       ++system.step_report().iterations;
@@ -224,7 +230,10 @@ class Static final : public Integrator {
       std::string reason = newton_direction(system, state);
       const double longest = reason.empty() ? direction_.rowwise().norm().maxCoeff() : 0;
       // What is left over is the forces' rounding: the residual is relative to next to nothing.
-      if (reason.empty() && longest <= still_) return accept(system, lambda, kOfTheSameKind * norm);
+      if (reason.empty() && longest <= still_) {
+        if (const auto outcome = ends(kOfTheSameKind * norm)) return *outcome;
+        continue;
+      }
       if (steps == Steps::newton) {
         if (reason.empty() && !(longest <= 2 * size_)) reason = "it leads out of all bounds";
         if (!reason.empty()) return {false, "no Newton step (" + reason + ")"};
@@ -238,7 +247,10 @@ class Static final : public Integrator {
       moved = search(system, state, lambda, norm);
       if (moved > 0) continue;
       system.evaluate(state);  // the search has left the forces of another state
-      if (relative <= kRoundingOfForces) return accept(system, lambda);
+      if (relative <= kRoundingOfForces) {
+        if (const auto outcome = ends(0)) return *outcome;
+        continue;
+      }
       return {false, "no step along the direction found comes closer to equilibrium"};
     }
   }
@@ -278,8 +290,8 @@ class Static final : public Integrator {
 
   /// What forces did not resist where they were at rest they may resist where loads have stretched
   /// them: springs along their length resist being turned. Returns whether less is held now.
-  [[nodiscard]] bool release(System& system, const State& state, double lambda) {
-    if (!left_over(system, lambda)) return false;
+  [[nodiscard]] bool release(System& system, const State& state, double lambda, double rounding) {
+    if (!left_over(system, lambda, rounding)) return false;
     const std::size_t before = held_.size();
     held_ = system.hold_rigid_motions(state.r);
     has_released_ = true;

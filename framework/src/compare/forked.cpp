@@ -125,11 +125,12 @@ int wait_for(pid_t child, const std::atomic<bool>* interrupted) {
       throw Error(ExitCode::internal_error, "cannot wait for the process that makes plugins: " +
                                                 std::generic_category().message(errno));
     }
-    if (ended != child && is_interrupted()) {
+    const bool stops = is_interrupted();
+    if (stops && ended != child) {
       ::kill(child, SIGKILL);
       (void)::waitpid(child, &status, 0);
     }
-    if (is_interrupted()) throw Error(ExitCode::interrupted, "interrupted before the first run");
+    if (stops) throw Error(ExitCode::interrupted, "interrupted before the first run");
     if (ended == child) return status;
     std::this_thread::sleep_for(pause);
     pause = std::min(2 * pause, kLongestPause);

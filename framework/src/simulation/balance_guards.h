@@ -1,11 +1,17 @@
 /// The guards of a run's balances of energy and momentum as one.
 #pragma once
 
+#include <string>
+
+#include "deform/error.h"
+#include "deform/log.h"
+
 #include "simulation/energy_guard.h"
 #include "simulation/momentum_guard.h"
 
 namespace deform {
 
+/// They look on, and end no run: where one cannot evaluate what it needs, it looks no more.
 class BalanceGuards {
  public:
   BalanceGuards(const System& system, const Named<Integrator>& integrator)
@@ -27,13 +33,25 @@ class BalanceGuards {
   }
 
   /// The run ends with this state.
-  void finish(const Frame& frame) { energy_.finish(frame); }
+  void finish(const Frame& frame) {
+    look(energy_, [&](EnergyGuard& guard) { guard.finish(frame); });
+  }
 
  private:
   template <class Action>
   void each(long steps, const Action& action) {
-    if (energy_.watches(steps)) action(energy_);
-    if (momentum_.watches(steps)) action(momentum_);
+    if (energy_.watches(steps)) look(energy_, action);
+    if (momentum_.watches(steps)) look(momentum_, action);
+  }
+  template <class Guard, class Action>
+  static void look(Guard& guard, const Action& action) {
+    try {
+      action(guard);
+    } catch (const Error& e) {
+      if (e.code() == ExitCode::interrupted) throw;
+      log::debug(std::string("the account of energy or momentum ends: ") + e.what());
+      guard.stop();
+    }
   }
 
   EnergyGuard energy_;

@@ -46,13 +46,16 @@ struct Overlap {
 
 std::vector<double> times_to_look_at(const std::vector<Held>& all, double end) {
   std::vector<double> times{0, end};
-  for (const Held& held : all)
-    for (double t = 0; times.size() < kMostTimes;) {
+  const std::size_t most = kMostTimes / std::max<std::size_t>(all.size(), 1) + 1;
+  for (const Held& held : all) {
+    double t = 0;
+    for (std::size_t i = 0; i < most; ++i) {
       t = guarded(held.constraint.origin, "saying when it is not smooth in time",
                   [&] { return held.constraint.object->next_break(t); });
       if (!(t < end)) break;
       times.push_back(t);
     }
+  }
   std::ranges::sort(times);
   for (std::size_t i = times.size() - 1; i > 0; --i)
     times.push_back(0.5 * (times[i - 1] + times[i]));

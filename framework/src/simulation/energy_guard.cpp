@@ -40,7 +40,8 @@ double energy_of_rounding(const Frame& frame) {
   return 0.5 * frame.system.mass().sum() * speed * speed;
 }
 
-/// Whether loads and supports are at two times the same, as far as this state shows.
+/// Whether loads, supports, bodies and materials are at two times the same, as far as this state
+/// shows.
 bool is_unchanged(const Frame& frame, double earlier) {
   System& system = frame.system;
   if (system.next_break(earlier) <= frame.state.time) return false;
@@ -50,9 +51,15 @@ bool is_unchanged(const Frame& frame, double earlier) {
   if (now != then) return false;
   State at_earlier = frame.state;
   at_earlier.time = earlier;
-  const double potential = system.external_potential(frame.state);
-  return std::abs(system.external_potential(at_earlier) - potential) <=
-         kRounding * std::abs(potential);
+  const auto is_same = [](double a, double b) {
+    return std::abs(a - b) <= kRounding * (std::abs(a) + std::abs(b));
+  };
+  for (std::size_t i = 0; i < system.energies().size(); ++i)
+    if (!is_same(system.energy(i, at_earlier), system.energy(i, frame.state))) return false;
+  if (system.colliders() > 0 &&
+      system.clearance(earlier, frame.state.r) != system.clearance(frame.state.time, frame.state.r))
+    return false;
+  return is_same(system.external_potential(at_earlier), system.external_potential(frame.state));
 }
 
 }  // namespace
@@ -112,7 +119,7 @@ void EnergyGuard::compare_with_first(const Frame& frame) {
   is_conservative_ = is_unchanged(frame, first_->time);
   const double known = first_->energy + std::max(0.0, first_->potential - potential);
   const double rounding = energy_of_rounding(frame) + kRounding * std::abs(potential);
-  if (is_conservative_ && energy > kManyTimes * known + rounding)
+  if (is_conservative_ && energy > known + (kManyTimes - 1) * std::abs(known) + rounding)
     warn(
         fmt::format("{:.3g} J are in motion and strain at step {}, where there were {:.3g} J at "
                     "first and what the loads did since",

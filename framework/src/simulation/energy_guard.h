@@ -34,8 +34,12 @@ class EnergyGuard {
   void begin(const Frame& frame);
   void at_break(const Frame& frame);
   void end(const Frame& frame);
+  /// Looks no more.
+  void stop() { is_known_ = false; }
   /// The run ends with this state.
-  void finish(const Frame& frame) { compare_with_first(frame); }
+  void finish(const Frame& frame) {
+    if (is_known_) compare_with_first(frame);
+  }
 
  private:
   [[nodiscard]] bool gains() const;

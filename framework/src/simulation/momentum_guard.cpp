@@ -14,8 +14,8 @@ namespace {
 
 /// Part of the impulses' sizes by which momentum may differ from their sum.
 constexpr double kMost = 0.1;
-/// Part of the nodes' momenta by which rounding may change their sum.
-constexpr double kRounding = 1e-9;
+/// Part of the nodes' momenta by which what solvers leave may change their sum.
+constexpr double kLeft = 1e-4;
 
 bool has_own_impulses(const System& system) {
   const Reduction& reduction = system.reduction();
@@ -92,8 +92,7 @@ void MomentumGuard::end(const Frame& frame) {
   if (++in_a_row_ < kGuardedInARow) return;
   const Vec3 gained = momentum(frame.system, frame.state.v) - first_;
   const Vec3 impulse = gained.cwiseMax(least_).cwiseMin(most_);  // the nearest that forces allow
-  if ((gained - impulse).norm() > kMost * sizes_ + kRounding * largest_)
-    warn(frame, gained, impulse);
+  if ((gained - impulse).norm() > kMost * sizes_ + kLeft * largest_) warn(frame, gained, impulse);
 }
 
 void MomentumGuard::warn(const Frame& frame, const Vec3& gained, const Vec3& impulse) {

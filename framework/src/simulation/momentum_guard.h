@@ -24,6 +24,8 @@ class MomentumGuard {
   void begin(const Frame& frame);
   void at_break(const Frame& frame);
   void end(const Frame& frame);
+  /// Looks no more.
+  void stop() { is_known_ = false; }
 
  private:
   /// Of all forces [N].

@@ -238,7 +238,8 @@ std::vector<WrittenFile> OutputRecorder::files(const std::filesystem::path& fold
 
 void OutputRecorder::end() {
   std::exception_ptr first;
-  for (std::size_t i = 0; i < std::exchange(begun_, 0); ++i) {
+  const std::size_t begun = std::exchange(begun_, 0);
+  for (std::size_t i = 0; i < begun; ++i) {
     const Entry& entry = outputs_[i];
     try {
       guarded(entry.output.origin, "ending", [&] { entry.output.object->end(); });

@@ -48,6 +48,8 @@ constexpr const char *kProbesFile = "probes.csv", *kSummaryFile = "summary.json"
 constexpr const char* kFrameInterval = "trajectory/interval";
 /// Of who gives up, for what others are about.
 constexpr std::chrono::milliseconds kLongestWait{100};
+/// Of what has not been done yet: it may take long.
+constexpr auto kUnknown = std::chrono::steady_clock::duration::max();
 constexpr const char* kNothingWritten = "interrupted before the first step; nothing was written";
 /// What a profiled run leaves in its directory.
 constexpr const char *kProfileTable = "profile.txt", *kProfileTrace = "trace.json";
@@ -175,6 +177,7 @@ class Recording {
   Manifest manifest_;
   Resumption found_;
   RunParts parts_;
+  std::vector<Problem> remarks_;
   std::optional<RunContext> context_;
   std::optional<RunLog> log_;
   std::optional<TrajectoryWriter> trajectory_;
@@ -185,6 +188,7 @@ class Recording {
   /// What to go on from if the step under way is thrown away; of long steps alone.
   std::optional<Checkpoint> before_step_;
   std::chrono::steady_clock::duration last_step_{0};  // recording included
+  std::chrono::steady_clock::duration last_recording_ = kUnknown;
   std::optional<std::chrono::steady_clock::time_point> stepping_since_;
   Stock stock_;
   bool is_thrown_away_ = false;  // what came after the stock was taken
@@ -217,6 +221,7 @@ Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> r
   context_.emplace(make_run_context(parts_, folder_));
   if (found_.checkpoint) context_->resumed_at = found_.checkpoint->step;
   begin_probes(parts_, *context_);  // may still reject the scene, so comes before the folder
+  remarks_ = remarks_on(parts_);
   if (found_.checkpoint) load_checkpoint();
   if (options_.profile) profile_.emplace();
 }
@@ -276,7 +281,7 @@ RunResult Recording::execute() {
   } else if (options_.resume && !found_.planned) {
     log::warn(fmt::format("there is no checkpoint in {}: the run starts anew", folder_.string()));
   }
-  for (const Problem& remark : remarks_on(parts_)) log::warn(remark.message);
+  for (const Problem& remark : remarks_) log::warn(remark.message);
   const auto [before, after] = manifest_.if_process_ends();
   last_note_.emplace(folder_ / kManifestFile, before, after);
   try {
@@ -335,7 +340,9 @@ void Recording::step_to_end() {
     if (profile_) profile_->end_step();
     if (options_.progress) options_.progress(parts_.simulation->steps(), scene_.steps());
   }
-  if (!interrupted()) apart_from_model([this](const Frame& frame) { guards_.finish(frame); });
+  if (interrupted()) return;
+  watched(Doing::recording,
+          [this] { apart_from_model([this](const Frame& frame) { guards_.finish(frame); }); });
 }
 
 void Recording::step() {
@@ -417,15 +424,22 @@ bool Recording::settle() {
   const bool stop = !last && interrupted();
   // Before the recording: see Checkpoint. The last one serves who prolongs the run.
   before_step_.reset();
-  const bool saves = last || stop || schedule_.due(step);
-  if (saves || last_step_ > StepWatch::kPatience)
+  const bool saves = last || stop || schedule_.due(step),
+             records = last || stop || is_recorded(step);
+  const bool may_be_thrown_away =
+      last_step_ > StepWatch::kPatience || (records && last_recording_ > StepWatch::kPatience);
+  if (saves || may_be_thrown_away)
     watched(Doing::checkpointing, [&] {
       if (saves) save_checkpoint();
-      keep_checkpoint();
+      if (may_be_thrown_away) keep_checkpoint();
     });
   // A row too many goes when the run is resumed; a frame's files would stay.
-  if (last || stop || is_recorded(step))
+  if (records) {
+    const auto begun = std::chrono::steady_clock::now();
     watched(Doing::recording, [&] { record(last || stop, last); });
+    last_recording_ = std::chrono::steady_clock::now() - begun;
+    if (last_step_ <= StepWatch::kPatience) before_step_.reset();  // a step is taken again
+  }
   if (stop) {
     end_with(
         ExitCode::interrupted,
@@ -440,9 +454,9 @@ void Recording::save_checkpoint() {
   write(make_checkpoint());
 }
 
-/// Long steps alone are thrown away, and next to them this costs nothing.
+/// What takes long may be thrown away, and next to it this costs nothing.
 void Recording::keep_checkpoint() {
-  if (last_step_ <= StepWatch::kPatience || checkpoint_step_ == parts_.simulation->steps()) return;
+  if (checkpoint_step_ == parts_.simulation->steps()) return;
   const Stopwatch watch(parts_.simulation->system().times().output, "checkpoint");
   before_step_ = make_checkpoint();
 }

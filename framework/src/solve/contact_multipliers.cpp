@@ -32,18 +32,6 @@ bool is_number_below(double x, std::size_t end) {
 /// Collider by collider, nodes ascending.
 std::pair<std::size_t, Index> place(const NodeContact& c) { return {c.body, c.node}; }
 
-/// Projects on the directions across n in which nothing prescribes where a node goes: Q − m mᵀ/m²
-/// with m = Q n, Q of the components that are not prescribed.
-Eigen::Matrix3d sliding(const Reduction& reduction, Index node, const Vec3& n) {
-  Vec3 q;
-  for (int c = 0; c < 3; ++c) q[c] = reduction.prescribed(node, c) ? 0 : 1;
-  const Vec3 m = q.cwiseProduct(n);
-  const double square = m.squaredNorm();
-  Eigen::Matrix3d projection = q.asDiagonal();
-  if (square > 0) projection -= m * m.transpose() / square;
-  return projection;
-}
-
 }  // namespace
 
 void ContactMultipliers::begin(const System& system, const NodeValues& stiffness) {
@@ -58,11 +46,19 @@ void ContactMultipliers::begin(const System& system, const NodeValues& stiffness
                     "colliders times {} nodes",
                     lambda_.size(), system.colliders(), nodes_));
   std::erase_if(rubs_, [&](const Rub& r) { return lambda_[place_of(r.body, r.node)] == 0; });
-  for (Rub& rub : rubs_) rub.sliding = sliding(system.reduction(), rub.node, rub.normal);
+  if (!freedom_) freedom_ = std::make_shared<const Freedoms>(system.reduction());
+  for (Rub& rub : rubs_) rub.sliding = sliding(rub.node, rub.normal);
 }
 
 NodeVectors ContactMultipliers::end_of(const Stage& stage, const NodeVectors& r) {
   return stage.start + stage.reach * (r - stage.start);
+}
+
+Eigen::Matrix3d ContactMultipliers::sliding(Index node, const Vec3& n) const {
+  Eigen::Matrix3d projection;
+  for (int c = 0; c < 3; ++c)
+    projection.col(c) = freedom_->mobility.sliding(node, n, Vec3::Unit(c));
+  return projection;
 }
 
 bool ContactMultipliers::add_planes(const System& system, const Stage& stage,
@@ -75,6 +71,8 @@ bool ContactMultipliers::add_planes(const System& system, const Stage& stage,
     if (!c.crossed || std::ranges::binary_search(begin, begin + known, place(c), {}, &Plane::place))
       continue;
     planes_.push_back({c, c.normal.dot(Vec3(end.row(c.node).transpose())) - c.gap});
+    lambda(c) = 0;  // what there was is of the side that is nearest
+    std::erase_if(rubs_, [&](const Rub& r) { return r.node == c.node && r.body == c.body; });
   }
   std::ranges::sort(planes_, {}, &Plane::place);
   return std::ssize(planes_) > known;
@@ -193,7 +191,7 @@ bool ContactMultipliers::update(const System& system, const Stage& stage, const 
     Rub rub{.node = c.node,
             .body = c.body,
             .normal = c.normal,
-            .sliding = sliding(system.reduction(), c.node, c.normal),
+            .sliding = sliding(c.node, c.normal),
             .limit = c.friction * push.force};
     if (before != nullptr) rub.kept = rub.sliding * before->force;
     rubs.push_back(rub);
@@ -264,6 +262,7 @@ void ContactMultipliers::forget() {
   pushes_.clear();
   rubs_.clear();
   planes_.clear();
+  freedom_.reset();
 }
 
 }  // namespace deform

@@ -1,10 +1,13 @@
 /// Contact with colliders inside an implicit step: normal forces and friction as multipliers.
 #pragma once
 
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include "deform/solve/implicit_stage.h"
+
+#include "solve/contact_law.h"
 
 namespace deform {
 
@@ -75,6 +78,8 @@ class ContactMultipliers {
   /// κ of a contact: of the stiffness that the node has along the normal, as it is free to move.
   [[nodiscard]] double penalty(const NodeContact& c) const { return penalty_[c.node] / c.mobility; }
   void load_friction(const std::vector<double>& all, std::size_t nodes);
+  /// Projects on the directions in which a node can slide on a body with that normal.
+  [[nodiscard]] Eigen::Matrix3d sliding(Index node, const Vec3& n) const;
   /// Positions at the stage's end.
   [[nodiscard]] static NodeVectors end_of(const Stage& stage, const NodeVectors& r);
   bool add_planes(const System& system, const Stage& stage, const NodeVectors& end);
@@ -96,6 +101,15 @@ class ContactMultipliers {
     }
   };
   std::vector<Plane> planes_;  // likewise
+  /// How nodes are free to move.
+  struct Freedoms {
+    explicit Freedoms(const Reduction& reduction) : map(reduction), mobility(map) {}
+    Freedoms(const Freedoms&) = delete;
+    Freedoms& operator=(const Freedoms&) = delete;
+    ReductionMap map;
+    Mobility mobility;
+  };
+  std::shared_ptr<const Freedoms> freedom_;  // of the system, from the first stage on
 };
 
 }  // namespace deform

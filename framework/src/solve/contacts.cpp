@@ -99,12 +99,14 @@ std::vector<EntryPlane> Contacts::crossings(const Body& body, double time, const
   std::vector<EntryPlane> entries =
       first_entries(seen, from(nodes, Eigen::all), to(nodes, Eigen::all));
   for (EntryPlane& entry : entries) entry.path = nodes[static_cast<std::size_t>(entry.path)];
-  // What ends inside of the side where it came in, or on it, is put at the nearest point there: it
-  // may have slid along a round body.
+  // What begins or ends on the side where it came in may have slid along a round body: where it is
+  // inside, it is put at the nearest point.
   std::erase_if(entries, [&](const EntryPlane& entry) {
     const Index a = entry.path;
-    const double gap = distance[a] - body.thickness, way = (to.row(a) - from.row(a)).norm();
-    return gap <= kSlides * way && entry.normal.dot(Vec3(normal.row(a).transpose())) >= kSameSide;
+    const double slides = kSlides * (to.row(a) - from.row(a)).norm();
+    const bool is_on_it =
+        distance[a] - body.thickness <= slides || entry.gap(from.row(a).transpose()) <= slides;
+    return is_on_it && entry.normal.dot(Vec3(normal.row(a).transpose())) >= kSameSide;
   });
   return entries;
 }

@@ -140,7 +140,8 @@ double ImplicitEquation::evaluated_residual(State& state) {
 }
 
 double ImplicitEquation::update_contacts(State& state, Tangent& kind) {
-  if (contacts_.update(*system_, *stage_, state.r)) {
+  has_new_planes_ = contacts_.update(*system_, *stage_, state.r);
+  if (has_new_planes_) {
     kind = Tangent::exact;
     evaluate_tangent(state, kind, nullptr);
   }

@@ -44,6 +44,8 @@ class ImplicitEquation {
   /// Makes contact forces those of the last evaluation; where a node turns out to have come through
   /// a body, evaluates the exact tangent anew, and `kind` says so. Returns the residual with them.
   [[nodiscard]] double update_contacts(State& state, Tangent& kind);
+  /// Whether the last update has found such nodes.
+  [[nodiscard]] bool has_new_planes() const { return has_new_planes_; }
 
   /// Newton's direction from the state of the last evaluation, by its tangent; where that is not
   /// positive definite by the projected one, or that and more. Φ falls along it. `tolerance`: part
@@ -83,7 +85,7 @@ class ImplicitEquation {
   const Stage* stage_ = nullptr;
   ContactMultipliers contacts_;
   bool has_potential_ = true, has_beside_ = false;
-  bool with_contacts_ = false, contacts_begun_ = false;
+  bool with_contacts_ = false, contacts_begun_ = false, has_new_planes_ = false;
   bool has_jacobian_solver_ = true;  // as far as is known
   double size_ = 0, scale_ = 0;
   NodeValues mass_, damping_;  // M/τ², Γ/τ [N/m]

@@ -296,7 +296,8 @@ bool ImplicitStage::Impl::contacts_agree(State& state, double norm) {
   begun = equation.merit(state);
   remember(state, begun);
   longest = kInfinity;
-  return updated <= std::max(settings.tolerance * equation.scale(), kSameResidual * norm);
+  return !equation.has_new_planes() &&
+         updated <= std::max(settings.tolerance * equation.scale(), kSameResidual * norm);
 }
 
 /// Whether what is left over is small enough, contact forces being what they must.
