@@ -264,6 +264,11 @@ class Talk(RunCommand):
                  "integrator": {"plugin": "semi_implicit", "step": 0.01}, "duration": 0.5}
         self.assertIn("from nowhere", self.run_scene(scene, "--quiet", "--force").stderr)
 
+    def test_all_outputs_end(self):
+        outputs = [{"plugin": "obj", "every": 5}, {"plugin": "footer", "every": 5}]
+        self.run_scene(sheet(outputs=outputs), "--plugin-path", FIXTURES)
+        self.assertEqual((self.out / "footer.txt").read_text(), "3 frames\n")
+
     def test_momentum_from_nowhere_is_told(self):
         """A free sheet under its weight and a profile of forces; one method counts forces twice."""
         for integrator in ("doubles_forces", "semi_implicit", "symplectic_euler", "runge_kutta",
