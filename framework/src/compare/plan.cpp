@@ -183,7 +183,7 @@ class Planner {
 
   std::string choose_reference(const Scene& base) {
     const bool asked = !request_.reference.empty();
-    const std::string wanted = asked ? request_.reference : base.reference;
+    std::string wanted = asked ? request_.reference : base.reference;
     if (wanted == kRefined || wanted.starts_with(std::string(kRefined) + ':')) {
       return plan_refined(wanted);
     }
@@ -214,8 +214,8 @@ class Planner {
     for (const auto& [pointer, value] : refinement_of(scene)) put("/surface" + pointer, value);
     put("/integrator/step", fmt::format("{}", scene.step / 4));
     put("/frames", fmt::format(R"({{"every": {}}})", 4 * scene.frame_interval()));
-    for (std::size_t i = 0; i < scene.probes.size(); ++i)
-      put(scene.probes[i].use.pointer + "/every", fmt::format("{}", 4 * scene.probes[i].every));
+    for (const RecorderUse& probe : scene.probes)
+      put(probe.use.pointer + "/every", fmt::format("{}", 4 * probe.every));
     put("/outputs", "[]");
     runs_.push_back({kRefined, read_scene(request_.scene, *registry_, finer, of)});
     return kRefined;

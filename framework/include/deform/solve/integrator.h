@@ -34,9 +34,9 @@ class DEFORM_API Integrator : public Plugin {
   /// Whether its steps end outside of colliders, friction included; else the framework calls
   /// System::collide after each.
   [[nodiscard]] virtual bool resolves_contacts() const { return false; }
-  /// Whether a step takes coefficients from the state at its start (System::evaluate_with_operator), so that
-  /// estimators of the normal differ by what the surface moves in a step. Others evaluate forces at
-  /// one state, coefficients and jets alike.
+  /// Whether a step takes coefficients from the state at its start
+  /// (System::evaluate_with_operator), so that estimators of the normal differ by what the surface
+  /// moves in a step. Others evaluate forces at one state, coefficients and jets alike.
   [[nodiscard]] virtual bool lags_coefficients() const { return false; }
 };
 
