@@ -1,7 +1,6 @@
 #include "deform/model/reduction.h"
 
 #include <algorithm>
-#include <ranges>
 #include <string>
 
 #include "deform/error.h"
@@ -161,9 +160,9 @@ void ReductionMap::complete(NodeVectors& r, bool with_offsets) const {
 }
 
 void ReductionMap::transpose(NodeVectors& f) const {
-  for (const Tie& tie : std::views::reverse(ties_)) {
-    double& value = f(tie.freedom.node, tie.freedom.component);
-    for (const Tie::Part& part : tie.parts)
+  for (auto tie = ties_.rbegin(); tie != ties_.rend(); ++tie) {
+    double& value = f(tie->freedom.node, tie->freedom.component);
+    for (const Tie::Part& part : tie->parts)
       f(part.of.node, part.of.component) += part.coefficient * value;
     value = 0;
   }

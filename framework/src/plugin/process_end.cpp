@@ -251,9 +251,8 @@ void LastNote::write(const char* reason) const noexcept {
 
 // NOLINTBEGIN(bugprone-reserved-identifier, cert-dcl37-c, cert-dcl51-cpp)
 extern "C" {
-[[noreturn, gnu::visibility("default")]] void _exit(int code) { deform::exit_at_once(code); }
-[[noreturn, gnu::visibility("default")]] void _Exit(int code) noexcept {
-  deform::exit_at_once(code);
-}
+// The library's declarations say that they do not return.
+__attribute__((visibility("default"))) void _exit(int code) { deform::exit_at_once(code); }
+__attribute__((visibility("default"))) void _Exit(int code) noexcept { deform::exit_at_once(code); }
 }
 // NOLINTEND(bugprone-reserved-identifier, cert-dcl37-c, cert-dcl51-cpp)

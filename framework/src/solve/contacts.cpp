@@ -215,8 +215,8 @@ void Contacts::settle(double step, const std::vector<ContactImpulse>& impulses,
   std::ranges::stable_sort(by_node, {}, node_of);
   // Nodes that are tied to others come after these: most have what they need then.
   if (mobility_.has_ties())
-    std::ranges::stable_partition(by_node,
-                                  [&](std::size_t i) { return !is_tied(mobility_, node_of(i)); });
+    std::stable_partition(by_node.begin(), by_node.end(),
+                          [&](std::size_t i) { return !is_tied(mobility_, node_of(i)); });
   std::vector<Grip> grips;
   for (std::size_t k = 0; k < by_node.size();) {
     const Index node = node_of(by_node[k]);
