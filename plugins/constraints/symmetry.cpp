@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include <deform/geometry/characteristic_length.h>
 #include <deform/geometry/rounding.h>
 #include <deform/model/constraint.h>
 
@@ -28,15 +29,12 @@ constexpr double kFlatness = 1e-9;
 /// nodes do not see a curved surface's right angle exactly.
 constexpr double kRightAngle = 0.95;
 
-double extent(const NodeVectors& r) {
-  return (r.colwise().maxCoeff() - r.colwise().minCoeff()).maxCoeff();
-}
-
 /// The axis normal to a plane in which the side lies and which the surface meets at a right angle.
 int axis_of(const Side& side, const NodeVectors& initial, const std::string& pointer) {
   for (int c = 0; c < 3; ++c) {
     const double at = initial(side.nodes.front().node, c);
-    const double slack = kFlatness * extent(initial) + rounding_of_positions(initial);
+    const double slack =
+        kFlatness * characteristic_length(initial) + rounding_of_positions(initial);
     if (std::ranges::all_of(side.nodes, [&](const EdgeNode& edge) {
           const Vec3 across = derivative(edge.inwards, initial);
           return std::abs(initial(edge.node, c) - at) <= slack &&

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 
+#include <deform/geometry/characteristic_length.h>
 #include <deform/model/energy_term.h>
 #include <deform/surface/surface.h>
 
@@ -48,7 +49,7 @@ RestMetric metric_at(const GeometryBlock& rest, std::size_t s) {
 bool is_cartesian(const Surface& surface, const NodeVectors& rest) {
   constexpr double kMetric = 1e-9, kChristoffel = 1e-6;  // far above rounding, far below shapes
   const SampleSet& samples = surface.samples(SampleRole::bending);
-  const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  const double size = characteristic_length(rest);
   Geometry geometry(samples);
   geometry.compute(samples, rest);
   const GeometryBlock all = geometry.all();

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include <deform/geometry/characteristic_length.h>
 #include <deform/geometry/rounding.h>
 #include <deform/log.h>
 #include <deform/solve/integrator.h>
@@ -123,7 +124,7 @@ class Static final : public Integrator {
     first_force_ = system.force();
     held_ = system.hold_rigid_motions(state.r);  // by the forces of the time just evaluated
     start_residual_ = 0;
-    size_ = (start_.colwise().maxCoeff() - start_.colwise().minCoeff()).maxCoeff();
+    size_ = characteristic_length(start_);
     still_ = kRoundingOfPositions * size_ +
              std::max(rounding_of_positions(start_), rounding_of_positions(target_));
   }

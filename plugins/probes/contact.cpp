@@ -3,6 +3,7 @@
 #include <cmath>
 #include <vector>
 
+#include <deform/geometry/characteristic_length.h>
 #include <deform/record/probe.h>
 
 namespace {
@@ -21,8 +22,7 @@ class Contact final : public Probe {
     const NodeValues at_nodes = frame.system.clearance(frame.state.time, frame.state.r);
     if (!std::isfinite(at_nodes.minCoeff())) return;  // there is no collider
     const NodeValues at_faces = frame.system.clearance(frame.state.time, face_centres(frame));
-    const NodeVectors& rest = frame.system.rest();
-    const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+    const double size = characteristic_length(frame.system.rest());
     figures[0] = static_cast<double>(touching(frame, at_nodes, kTouching * size));
     figures[1] = std::max(0.0, -at_nodes.minCoeff());
     figures[2] = std::max(0.0, -at_faces.minCoeff());

@@ -1,5 +1,6 @@
 /// How far the surface is from being plane.
 #include <deform/geometry/best_fit_plane.h>
+#include <deform/geometry/characteristic_length.h>
 #include <deform/record/probe.h>
 
 namespace {
@@ -11,8 +12,7 @@ class Flatness final : public Probe {
   Flatness(const NoParameters& /*parameters*/, const Setup& /*setup*/) {}
 
   void begin(const RunContext& context) override {
-    const NodeVectors& rest = context.system.rest();
-    size_ = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+    size_ = characteristic_length(context.system.rest());
   }
 
   [[nodiscard]] std::vector<ProbeColumn> columns() const override { return {{"flatness", "1"}}; }

@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
+#include <deform/geometry/characteristic_length.h>
 #include <deform/record/probe.h>
 #include <deform/surface/surface.h>
 
@@ -54,8 +55,7 @@ class Folds final : public Probe {
  public:
   Folds(const Parameters& p, const Setup& setup)
       : hem_(in_order(setup.select(p.where), setup.surface().parameters())) {
-    const NodeVectors& rest = setup.rest();
-    least_ = p.prominence * (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+    least_ = p.prominence * characteristic_length(setup.rest());
     const auto count = static_cast<Index>(hem_.size());
     if (count < kFewest)
       throw InputError({{"/where", "a hem needs at least " + std::to_string(kFewest) + " nodes"}});

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "deform/error.h"
+#include "deform/geometry/characteristic_length.h"
 #include "deform/model/reduction.h"
 #include "deform/surface/shape.h"
 
@@ -162,8 +163,7 @@ void check_shape_contract(const Subject& subject, Checks& checks) {
       const NodeVectors r = made.object->positions(a, size);
       checks.holds("same bits when asked again", r == made.object->positions(a, size),
                    "the second answer differs from the first");
-      checks.report("extent along its largest side",
-                    (r.colwise().maxCoeff() - r.colwise().minCoeff()).maxCoeff(), "m");
+      checks.report("extent along its largest side", characteristic_length(r), "m");
     });
   }
   check_run(subject, checks);

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "deform/geometry/characteristic_length.h"
 #include "deform/log.h"
 
 #include "solve/asked.h"
@@ -34,9 +35,7 @@ double kinetic_and_internal(const Frame& frame) {
 
 /// Kinetic energy where all of the surface moves by kStill of its size in a step [J].
 double energy_of_rounding(const Frame& frame) {
-  const NodeVectors& rest = frame.system.rest();
-  const double size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
-  const double speed = kStill * size / frame.step_size;
+  const double speed = kStill * characteristic_length(frame.system.rest()) / frame.step_size;
   return 0.5 * frame.system.mass().sum() * speed * speed;
 }
 

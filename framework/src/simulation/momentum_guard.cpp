@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "deform/geometry/characteristic_length.h"
 #include "deform/log.h"
 #include "deform/record/loads_at.h"
 
@@ -47,8 +48,7 @@ MomentumGuard::Sum MomentumGuard::sum(const Frame& frame, NodeVectors loads) {
 bool MomentumGuard::has_internal_net_force(const Frame& frame) {
   constexpr double kTolerance = 1e-6;
   State moved = frame.state;
-  const double size = (moved.r.colwise().maxCoeff() - moved.r.colwise().minCoeff()).norm();
-  moved.r.rowwise() += Eigen::RowVector3d(0.3, 0.5, 0.7) * size;
+  moved.r.rowwise() += Eigen::RowVector3d(0.3, 0.5, 0.7) * characteristic_length(moved.r);
   for (std::size_t i = 0; i < frame.system.energies().size(); ++i) {
     const NodeVectors f = frame.system.internal_force(i, moved);
     if (f.colwise().sum().norm() > kTolerance * f.rowwise().norm().sum()) return true;

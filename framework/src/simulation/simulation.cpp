@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "deform/error.h"
+#include "deform/geometry/characteristic_length.h"
 #include "deform/log.h"
 
 #include "plugin/guard.h"
@@ -267,7 +268,7 @@ std::function<std::vector<Named<LinearSolver>>()> Simulation::Impl::solver_facto
 
 void Simulation::Impl::measure_rest() {
   centroid = rest.colwise().mean().transpose();
-  size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  size = characteristic_length(rest);
 }
 
 void Simulation::Impl::set_initial_state() {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "deform/geometry/characteristic_length.h"
+
 #include "solve/no_solver.h"
 #include "solve/not_finite.h"
 #include "solve/pattern.h"
@@ -70,7 +72,7 @@ void ColouredJacobian::make_colours() {
 }
 
 void ColouredJacobian::differentiate(const NodeVectors& r, const ForceAt& force_at) {
-  const double step = kRelativeStep * (r.colwise().maxCoeff() - r.colwise().minCoeff()).maxCoeff();
+  const double step = kRelativeStep * characteristic_length(r);
   std::ranges::fill(jacobian_.value, 0.0);
   NodeVectors direction(r.rows(), 3), change(r.rows(), 3);
   for (const std::vector<Index>& colour : colours_) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deform/geometry/characteristic_length.h"
 #include "deform/parallel.h"
 
 #include "profile/profile.h"
@@ -26,8 +27,7 @@ void ImplicitEquation::begin(System& system, const Stage& s) {
   has_beside_ = system.has_force_beside_potential();
   with_contacts_ = has_potential_ && system.colliders() > 0;
   contacts_begun_ = false;
-  const auto& rest = system.rest();
-  size_ = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
+  size_ = characteristic_length(system.rest());
   mass_ = system.mass() / (s.tau * s.tau);
   damping_ = system.damping() / s.tau;
   diagonal_ = mass_ + damping_;

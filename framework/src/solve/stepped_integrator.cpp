@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "deform/geometry/characteristic_length.h"
 #include "deform/log.h"
 
 #include "solve/headway.h"
@@ -30,11 +31,7 @@ constexpr double kShortestPart = 1e-12;
 /// Errors below so many roundings of the largest coordinate cannot be told from rounding.
 constexpr double kLeastError = 64 * std::numeric_limits<double>::epsilon();
 
-/// The longest side of the rest state's bounding box [m].
-double size_of(const System& system) {
-  const auto& rest = system.rest();
-  return (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).maxCoeff();
-}
+double size_of(const System& system) { return characteristic_length(system.rest()); }
 
 std::vector<double> flattened(const NodeVectors& v) { return {v.data(), v.data() + v.size()}; }
 

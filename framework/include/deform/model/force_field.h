@@ -62,8 +62,8 @@ class DEFORM_API ForceField : public Plugin {
   /// positions or velocities, each once; fixed for the object's life.
   [[nodiscard]] virtual std::vector<std::pair<Index, Index>> tangent_pairs() const;
   /// Adds −∂f_a/∂r_b [N/m] of each of these pairs, in their order; `nodes` are all nodes. Where it
-  /// is not symmetric, as of a load that follows the surface, blocks with a ≠ b are those of the
-  /// symmetric part; of blocks with a = b it is taken.
+  /// is not symmetric, as of a load that follows the surface, blocks with a ≠ b are to be those of
+  /// its symmetric part; blocks with a = b are made symmetric.
   virtual void add_exact_tangent(const NodeBlock& nodes, std::span<Eigen::Matrix3d> blocks) const;
   /// Adds −∂f_a/∂v_b [N·s/m] of each of these pairs, in their order, likewise; positive
   /// semi-definite as a whole.

@@ -91,8 +91,8 @@ struct NodeContact {
   double friction = 0;          ///< Coulomb's coefficient
   /// n·∂r/∂q (∂r/∂q)ᵀ n with the unknowns q that the node follows: 1 where nothing holds it.
   double mobility = 1;
-  /// Whether the node has come in on another side than the nearest: the gap is then to the tangent
-  /// plane where it came in, and may be kept as that of a plane.
+  /// Whether the node has come through the body, or in on another side than the nearest: the gap is
+  /// then to the tangent plane where it came in.
   bool crossed = false;
 };
 
