@@ -8,6 +8,7 @@
 #include <tbb/global_control.h>
 
 #include "deform/simulation/simulation.h"
+#include "deform/solve/newton_matrix.h"
 
 namespace {
 using namespace deform;
@@ -44,6 +45,8 @@ struct Hanging {
   std::size_t turn = 0;
 };
 
+const TangentRequest kForDirections{.kind = Tangent::projected, .for_directions = true};
+
 struct Sizes {
   double membrane = 0, bending = 0;  ///< samples
   double blocks = 0;                 ///< of the tangent
@@ -56,7 +59,8 @@ Sizes sizes_of(Hanging& h) {
     return static_cast<double>(h.system().surface().samples(role).size());
   };
   s.membrane = samples(SampleRole::membrane), s.bending = samples(SampleRole::bending);
-  s.blocks = static_cast<double>(h.system().tangent().column.size());
+  NewtonMatrix tangent(h.system());
+  s.blocks = static_cast<double>(tangent.matrix().column.size());
   return s;
 }
 
@@ -101,7 +105,9 @@ tbb::global_control limit(const benchmark::State& bench) {
 void geometry(benchmark::State& bench) {
   const auto threads = limit(bench);
   Hanging h(bench.range(0));
-  for (auto _ : bench) h.system().update_geometry(h.next());
+  for (auto _ : bench)
+    (void)h.system().terms().geometry(h.next().r,
+                                      h.system().surface().samples(SampleRole::bending));
   const Sizes s = sizes_of(h);
   // Written for each sample: r_1, r_2 and G of the membrane, everything of bending.
   count(bench, kPosition * s.nodes + 8 * (9 * s.membrane + GeometryBlock::kFields * s.bending), 0);
@@ -110,7 +116,8 @@ void geometry(benchmark::State& bench) {
 void geometry_and_force(benchmark::State& bench) {
   const auto threads = limit(bench);
   Hanging h(bench.range(0));
-  for (auto _ : bench) h.system().evaluate(h.next());
+  NodeVectors f;
+  for (auto _ : bench) h.system().evaluator().force(h.next(), f);
   const Sizes s = sizes_of(h);
   count(bench, 2 * kPosition * s.nodes + kRest * (s.membrane + s.bending), 0);
 }
@@ -118,9 +125,13 @@ void geometry_and_force(benchmark::State& bench) {
 void geometry_force_and_tangent(benchmark::State& bench) {
   const auto threads = limit(bench);
   Hanging h(bench.range(0));
-  for (auto _ : bench)
-    h.system().evaluate_with_tangent(h.next(), Tangent::projected, nullptr, 0,
-                                     TangentUse::directions);
+  NewtonMatrix tangent(h.system());
+  NodeVectors f;
+  for (auto _ : bench) {
+    const State& state = h.next();
+    h.system().evaluator().force(state, f);
+    tangent.evaluate(state, kForDirections);
+  }
   const Sizes s = sizes_of(h);
   const Surface& surface = h.system().surface();
   count(bench, 2 * kPosition * s.nodes + kRest * (s.membrane + s.bending) + kBlock3 * s.blocks,
@@ -133,16 +144,20 @@ void solve(benchmark::State& bench) {
   const auto threads = limit(bench);
   Hanging h(bench.range(0));
   System& system = h.system();
-  system.evaluate_with_tangent(h.next(), Tangent::projected, nullptr, 0, TangentUse::directions);
+  const State& state = h.next();
+  NewtonMatrix tangent(system);
+  tangent.evaluate(state, kForDirections);
   const NodeValues inertia = system.mass() / 1e-4;
-  const NodeVectors b = system.force();
+  const NodeVectors b = system.evaluator().force(state);
   NodeVectors x;
-  if (const std::string reason = system.solve_tangent_to(0.02, inertia, b, x); !reason.empty())
+  if (const std::string reason = tangent.solve_to(0.02, inertia, b, x); !reason.empty())
     return bench.SkipWithError(reason.c_str());
   long iterations = 0;
-  system.begin_step(h.states[0]);
-  for (auto _ : bench) (void)system.solve_tangent_again(1e-4, b, x);
-  iterations = system.step_report().solver_iterations;
+  system.begin_step();
+  for (auto _ : bench) {
+    (void)tangent.solve_again(1e-4, b, x);
+    iterations += tangent.solver_iterations();
+  }
   const double each = static_cast<double>(iterations) / static_cast<double>(bench.iterations());
   const Sizes s = sizes_of(h);
   constexpr double kPasses = 1 + 2 * kCoarse;
@@ -154,13 +169,15 @@ void prepare_solver(benchmark::State& bench) {
   const auto threads = limit(bench);
   Hanging h(bench.range(0));
   System& system = h.system();
-  system.evaluate_with_tangent(h.next(), Tangent::projected, nullptr, 0, TangentUse::directions);
+  const State& state = h.next();
+  NewtonMatrix tangent(system);
+  tangent.evaluate(state, kForDirections);
   const NodeValues inertia = system.mass() / 1e-4;
   const NodeVectors b = NodeVectors::Zero(system.nodes(), 3);
   NodeVectors x;
   for (auto _ : bench) {
-    system.begin_step(h.states[0]);
-    (void)system.solve_tangent_to(0.02, inertia, b, x);
+    system.begin_step();
+    (void)tangent.solve_to(0.02, inertia, b, x);
   }
   const Sizes s = sizes_of(h);
   // Read for the coarser level, which is written.

@@ -29,7 +29,7 @@ class BackwardEuler final : public ImplicitIntegrator {
     begin_stage(from, h);
     // v⁺ = v + h a, a being about that of the last step.
     last_.extrapolate(from, h, 1.0, to.r);
-    system.prescribe(end, to.r);
+    system.constraints().prescribe(end, to.r);
     std::string failure = newton_.solve(system, stage_, to);
     to.time = end;
     if (failure.empty()) newton_.settle(system, stage_, h, to);

@@ -33,7 +33,7 @@ class Bdf2 final : public ImplicitIntegrator {
     error_.save(memory);
     if (has_before_) put(memory, "before", before_);
     memory.put("after_impact", {after_impact_ ? 1.0 : 0.0});
-    memory.put("touched", {touched_.begin(), touched_.end()});
+    memory.put("touched", {last_active_.begin(), last_active_.end()});
   }
   void load(const Memory& memory) override {
     ImplicitIntegrator::load(memory);
@@ -43,13 +43,13 @@ class Bdf2 final : public ImplicitIntegrator {
     if (has_before_ && before_.r.rows() != known_nodes(memory))
       throw InputError("the checkpoint's \"before\" has another number of nodes");
     after_impact_ = memory.get("after_impact", 1).front() != 0;
-    touched_.clear();
+    last_active_.clear();
     const auto touched = memory.entries().find("touched");
     if (touched == memory.entries().end()) return;
     for (const double node : touched->second) {
       if (!(node >= 0 && node < static_cast<double>(known_nodes(memory))))
         throw InputError("the checkpoint's \"touched\" has a node that is none");
-      touched_.push_back(static_cast<Index>(node));
+      last_active_.push_back(static_cast<Index>(node));
     }
   }
 
@@ -76,14 +76,14 @@ class Bdf2 final : public ImplicitIntegrator {
   void accept(const State& from, const State& to) override {
     error_.accept(from, to);
     before_ = from;
-    has_before_ = touching_ == touched_;
+    has_before_ = active_ == last_active_;
     after_impact_ = !has_before_;
-    touched_ = touching_;
+    last_active_ = active_;
   }
   void forget() override {
     ImplicitIntegrator::forget();
     after_impact_ = false;
-    touched_.clear();
+    last_active_.clear();
   }
   void forget_history() override {
     error_.forget();
@@ -118,7 +118,7 @@ class Bdf2 final : public ImplicitIntegrator {
     error_.extrapolate(from, part, SecondOrderError::kOfSecondOrder, to.r);
     std::string failure = solve(system, to);
     if (!failure.empty()) return Attempt{std::move(failure), {}, false};
-    if (newton_.touching() != touched_) return std::nullopt;
+    if (newton_.active_contacts() != last_active_) return std::nullopt;
 
     const NodeVectors first = (to.v - from.v) / part;  // acceleration of the first stage
     const double weight = (1 - kGamma) / kGamma;       // of what the first stage changed
@@ -132,7 +132,7 @@ class Bdf2 final : public ImplicitIntegrator {
     failure = solve(system, to);
     if (!failure.empty()) return Attempt{std::move(failure), {}, false};
     find_contacts(system, from, h, to);
-    if (touching_ != touched_) return std::nullopt;
+    if (active_ != last_active_) return std::nullopt;
 
     order_ = 3;
     Attempt done{.failure = "", .error = {}, .resolved_contacts = true};
@@ -156,7 +156,7 @@ class Bdf2 final : public ImplicitIntegrator {
 
   /// From the guess in `to`, whose prescribed components become those of the stage's end.
   std::string solve(System& system, State& to) {
-    system.prescribe(stage_.end, to.r);
+    system.constraints().prescribe(stage_.end, to.r);
     std::string failure = newton_.solve(system, stage_, to);
     to.time = stage_.end;
     return failure;
@@ -165,15 +165,16 @@ class Bdf2 final : public ImplicitIntegrator {
   /// Velocities after contact at a step's end, and what colliders held in it.
   void find_contacts(System& system, const State& from, double h, State& to) {
     newton_.settle(system, stage_, h, to);
-    touching_ = newton_.resolves_contacts() ? newton_.touching() : system.collide(from.r, h, to);
+    active_ = newton_.resolves_contacts() ? newton_.active_contacts()
+                                          : system.contact().resolve(from.r, h, to);
   }
 
   SecondOrderError error_;
   int order_ = 2;  // of the local error of the last attempt
   bool has_before_ = false, after_impact_ = false;
-  State before_;                 // where the last step began
-  std::vector<Index> touched_;   // nodes that colliders held in the last step …
-  std::vector<Index> touching_;  // … and in the last attempt
+  State before_;                    // where the last step began
+  std::vector<Index> last_active_;  // nodes that colliders held in the last step …
+  std::vector<Index> active_;       // … and in the last attempt
 };
 
 }  // namespace

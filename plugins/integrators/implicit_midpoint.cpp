@@ -12,7 +12,7 @@ struct Parameters : ImplicitParameters {
 /// v⁺)/2: a stage of length h/2, then as far again. Second order; keeps momentum and angular
 /// momentum. Energies that know strains are those of the mean of both ends' strains, not of the
 /// mean of both ends' positions, which a turn shrinks: their forces do the work of the change of
-/// energy, so that this is kept, too, for steps of any size (System::average_strains_from), where
+/// energy, so that this is kept, too, for steps of any size (StepStrains::average_from), where
 /// it is quadratic in strains and loads have potentials of at most second degree. Others are taken
 /// at the middle, and their energy drifts at second order.
 class ImplicitMidpoint final : public ImplicitIntegrator {
@@ -38,7 +38,7 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
     stage_.by_strains = false;
     stage_.averages_strains = true;
     error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, target_);
-    system.prescribe(end, target_);
+    system.constraints().prescribe(end, target_);
     to.r = 0.5 * (from.r + target_);
     std::string failure = newton_.solve(system, stage_, to);
     if (!failure.empty()) return {std::move(failure), {}, false};
@@ -46,8 +46,8 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
     to.v = 2 * to.v - from.v;
     to.time = end;
     newton_.settle(system, stage_, h, to);
-    system.prescribe(end, to.r);
-    system.prescribe_velocity(end, h, to.v);
+    system.constraints().prescribe(end, to.r);
+    system.constraints().prescribe_velocity(end, h, to.v);
     return {"", with_error() ? error_.of(from, to, h, 1.0 / 12) : NodeVectors(),
             newton_.resolves_contacts()};
   }
@@ -59,10 +59,9 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
   /// At the beginning of a step, contact left out.
   [[nodiscard]] static NodeVectors acceleration(System& system, State from, double h) {
     from.time = within_step(from.time, from.time, h);
-    system.evaluate(from);
-    NodeVectors force = system.force(), a;
+    NodeVectors force = system.evaluator().force(from), a;
     for (int c = 0; c < 3; ++c) force.col(c) -= system.damping().cwiseProduct(from.v.col(c));
-    system.accelerate(force, a);
+    system.mass_matrix().accelerate(force, a);
     return a;
   }
 

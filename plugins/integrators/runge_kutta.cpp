@@ -34,10 +34,9 @@ class RungeKutta final : public SteppedIntegrator {
       stage_.time = from.time + kTime[static_cast<std::size_t>(i)] * h;
       put_on_constraints(system, i == 0 ? -h : h, stage_);  // velocities of this step
       stage_.time = within_step(stage_.time, from.time, h);
-      system.evaluate(stage_);
-      force_ = system.force();
+      system.evaluator().force(stage_, force_);
       for (int c = 0; c < 3; ++c) force_.col(c) -= system.damping().cwiseProduct(stage_.v.col(c));
-      system.accelerate(force_, acceleration_[static_cast<std::size_t>(i)]);
+      system.mass_matrix().accelerate(force_, acceleration_[static_cast<std::size_t>(i)]);
       velocity_[static_cast<std::size_t>(i)] = stage_.v;
     }
     to = from;
@@ -63,8 +62,8 @@ class RungeKutta final : public SteppedIntegrator {
     }
   }
   static void put_on_constraints(const System& system, double reach, State& state) {
-    system.prescribe(state.time, state.r);
-    system.prescribe_velocity(state.time, reach, state.v);
+    system.constraints().prescribe(state.time, state.r);
+    system.constraints().prescribe_velocity(state.time, reach, state.v);
   }
 
   State stage_;

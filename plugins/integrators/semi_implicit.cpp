@@ -1,4 +1,6 @@
+#include <deform/solve/for_system.h>
 #include <deform/solve/integrator.h>
+#include <deform/solve/lagged_matrix.h>
 
 namespace {
 using namespace deform;
@@ -28,28 +30,29 @@ class SemiImplicit final : public Integrator {
     // Loads of the step's middle: their mean where they change linearly from break to break.
     const double begin = state.time;
     state.time += step / 2;
-    system.evaluate_with_operator(state);
+    matrix_(system).evaluate(state, right_);
     state.time = begin;
     // Force fields with a scalar damping tangent take it implicitly: f(v⁺) = f(v) − c (v⁺ − v), v⁺
     // = Δr/dt.
-    const NodeValues& c = system.force_damping();
+    const NodeValues& c = matrix_(system).force_damping();
     diagonal_ = system.mass() / (step * step) + system.damping() / (2 * step) + c / step;
     momentum_ = system.mass() / step - system.damping() / 2 + c;
-    right_ = system.force();
     for (int i = 0; i < 3; ++i) right_.col(i) += momentum_.cwiseProduct(state.v.col(i));
 
     target_ = state.r + step * state.v;
-    system.prescribe(state.time + step, target_);
+    system.constraints().prescribe(state.time + step, target_);
     increment_ = target_ - state.r;  // of the prescribed components; of the others a guess
-    system.solve(diagonal_, right_, increment_, tolerance_);
+    matrix_(system).solve(diagonal_, right_, increment_, tolerance_);
     state.r += increment_;
     state.v = increment_ / step;
     state.time += step;
-    system.prescribe(state.time, state.r);  // exactly there: adding the increment has rounded
+    system.constraints().prescribe(state.time,
+                                   state.r);  // exactly there: adding the increment has rounded
   }
 
  private:
   double tolerance_;
+  ForSystem<LaggedMatrix> matrix_;
   NodeValues diagonal_, momentum_;
   NodeVectors right_, target_, increment_;
 };

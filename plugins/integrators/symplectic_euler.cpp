@@ -15,30 +15,29 @@ class SymplecticEuler final : public Integrator {
     // Loads of the step's middle: their mean where they change linearly from break to break.
     const double begin = state.time;
     state.time += step / 2;
-    system.evaluate(state);
+    system.evaluator().force(state, force_);
     state.time = begin;
     before_ = state.r;
-    if (system.reduction().ties().empty()) {
+    if (system.constraints().reduction().ties().empty()) {
       push_nodes(system, state, step);
     } else {
-      force_ = system.force() - system.damping().asDiagonal() * state.v;
-      system.accelerate(force_, acceleration_);
+      force_ -= system.damping().asDiagonal() * state.v;
+      system.mass_matrix().accelerate(force_, acceleration_);
       state.v += step * acceleration_;
     }
     state.r += step * state.v;
     state.time += step;
-    system.constrain(before_, step, state);
+    system.constraints().constrain(before_, step, state);
   }
 
  private:
-  static void push_nodes(const System& system, State& state, double step) {
+  void push_nodes(const System& system, State& state, double step) const {
     const NodeValues& m = system.mass();
     const NodeValues& damping = system.damping();
     for (int c = 0; c < 3; ++c)
       for (Index a = 0; a < m.size(); ++a)
-        if (system.reduction().free(a, c))
-          state.v(a, c) =
-              (m[a] * state.v(a, c) + step * system.force()(a, c)) / (m[a] + step * damping[a]);
+        if (system.constraints().reduction().free(a, c))
+          state.v(a, c) = (m[a] * state.v(a, c) + step * force_(a, c)) / (m[a] + step * damping[a]);
   }
 
   NodeVectors force_, acceleration_, before_;

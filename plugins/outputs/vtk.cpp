@@ -129,12 +129,15 @@ class SampleFields {
 
   void add_to(Shot& shot, const Frame& frame, bool with_geometry) const {
     VtkPolyData& data = *shot.data;
-    const Geometry& now = frame.system.geometry(*samples_);
+    const auto geometry = frame.geometry(*samples_);
+    const Geometry& now = *geometry;
     if (with_geometry) add_geometry(shot, now.all(), *samples_);
     // The coefficients of the step just done; at the first frame there is no previous state.
-    const Geometry& lagged = frame.step == 0 ? now : frame.system.previous_geometry(*samples_);
+    const auto previous = frame.step == 0 ? geometry : frame.previous_geometry(*samples_);
+    const Geometry& lagged = *previous;
     for (const JetTermUse& use : terms_) {
-      data.add("energy_" + use.name, shot.copies.of(frame.system.energy_density(use.number)));
+      data.add("energy_" + use.name,
+               shot.copies.of(frame.system.terms().energy_density(use.number, frame.state.r)));
       if (use.term->normal() == nullptr) continue;
       for (const Pair ij : kPairs) {
         NodeVectors& normals = shot.copies.of(NodeVectors());

@@ -120,7 +120,8 @@ class Compatibility final : public Probe {
   void measure(const Frame& frame, Values figures) override {
     figures[0] = figures[1] = kNoFigure;
     if (interior_.empty()) return;
-    const GeometryBlock geometry = frame.system.geometry(*samples_).all();
+    const auto all = frame.geometry(*samples_);
+    const GeometryBlock geometry = all->all();
     differences_.compute(*samples_->field_differences(), geometry);
     double gauss = 0, codazzi = 0, area = 0;
     for (const Index sample : interior_) {

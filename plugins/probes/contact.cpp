@@ -19,9 +19,10 @@ class Contact final : public Probe {
 
   void measure(const Frame& frame, Values figures) override {
     std::ranges::fill(figures, kNoFigure);
-    const NodeValues at_nodes = frame.system.clearance(frame.state.time, frame.state.r);
+    const NodeValues at_nodes = frame.system.contact().clearance(frame.state.time, frame.state.r);
     if (!std::isfinite(at_nodes.minCoeff())) return;  // there is no collider
-    const NodeValues at_faces = frame.system.clearance(frame.state.time, face_centres(frame));
+    const NodeValues at_faces =
+        frame.system.contact().clearance(frame.state.time, face_centres(frame));
     const double size = characteristic_length(frame.system.rest());
     figures[0] = static_cast<double>(touching(frame, at_nodes, kTouching * size));
     figures[1] = std::max(0.0, -at_nodes.minCoeff());
@@ -36,7 +37,7 @@ class Contact final : public Probe {
   /// [m].
   static Index touching(const Frame& frame, const NodeValues& clearance, double within) {
     std::vector<NodeContact> contacts;
-    frame.system.find_contacts(frame.state.time, frame.state.r, frame.state.r, within, contacts);
+    frame.system.contact().find(frame.state.time, frame.state.r, frame.state.r, within, contacts);
     std::vector<bool> touches(static_cast<std::size_t>(clearance.size()));
     for (Index a = 0; a < clearance.size(); ++a)
       touches[static_cast<std::size_t>(a)] = clearance[a] < within;

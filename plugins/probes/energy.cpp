@@ -20,15 +20,15 @@ class Energy final : public Probe {
   [[nodiscard]] std::vector<ProbeColumn> columns() const override { return columns_; }
 
   void measure(const Frame& frame, Values figures) override {
-    System& system = frame.system;
+    const System& system = frame.system;
     const std::size_t terms = system.energies().size();
     double internal = 0;
     for (std::size_t i = 0; i < terms; ++i) {
-      figures[i] = system.energy(i, frame.state);
+      figures[i] = system.terms().energy(i, frame.state);
       internal += figures[i];
     }
     const double kinetic = 0.5 * system.mass().dot(frame.state.v.rowwise().squaredNorm());
-    const double external = system.external_potential(frame.state);
+    const double external = system.terms().external_potential(frame.state);
     figures[terms] = kinetic;
     figures[terms + 1] = internal;
     figures[terms + 2] = external;

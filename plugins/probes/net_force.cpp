@@ -17,11 +17,11 @@ class NetForce final : public Probe {
   }
 
   void measure(const Frame& frame, Values figures) override {
-    System& system = frame.system;
+    const System& system = frame.system;
     Vec3 internal = Vec3::Zero();
     for (std::size_t term = 0; term < system.energies().size(); ++term)
-      internal += system.internal_force(term, frame.state).colwise().sum();
-    const Vec3 external = system.external_force(frame.state).colwise().sum();
+      internal += system.terms().internal_force(term, frame.state).colwise().sum();
+    const Vec3 external = system.terms().external_force(frame.state).colwise().sum();
     for (std::size_t c = 0; c < 3; ++c) {
       figures[c] = internal[static_cast<Index>(c)];
       figures[3 + c] = external[static_cast<Index>(c)];

@@ -28,13 +28,13 @@ class NetTorque final : public Probe {
   }
 
   void measure(const Frame& frame, Values figures) override {
-    System& system = frame.system;
+    const System& system = frame.system;
     const NodeVectors& r = frame.state.r;
     const Vec3 centroid = r.colwise().mean();
     Vec3 internal = Vec3::Zero();
     for (std::size_t term = 0; term < system.energies().size(); ++term)
-      internal += torque(r, centroid, system.internal_force(term, frame.state));
-    const Vec3 external = torque(r, centroid, system.external_force(frame.state));
+      internal += torque(r, centroid, system.terms().internal_force(term, frame.state));
+    const Vec3 external = torque(r, centroid, system.terms().external_force(frame.state));
     for (std::size_t c = 0; c < 3; ++c) {
       figures[c] = internal[static_cast<Index>(c)];
       figures[3 + c] = external[static_cast<Index>(c)];

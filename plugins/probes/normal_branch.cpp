@@ -34,7 +34,7 @@ class NormalBranch final : public Probe {
     std::fill(figures.begin(), figures.end(), kNoFigure);
     std::size_t column = 0;
     for (const Term& term : terms_) {
-      write_shares(term, frame.system, figures.subspan(column, term.branches.size()));
+      write_shares(term, frame, figures.subspan(column, term.branches.size()));
       column += term.branches.size();
     }
   }
@@ -45,16 +45,16 @@ class NormalBranch final : public Probe {
     std::vector<std::string> branches;
   };
 
-  static void write_shares(const Term& term, const System& system, Values shares) {
+  static void write_shares(const Term& term, const Frame& frame, Values shares) {
     const SampleSet& samples = *term.use.samples;
-    const Geometry& geometry = system.geometry(samples);
+    const auto geometry = frame.geometry(samples);
     std::fill(shares.begin(), shares.end(), 0.0);
     double total = 0;
     std::array<std::uint8_t, kBlock> branch{};
     for (Index first = 0; first < samples.size(); first += kBlock) {
       const Index size = std::min(kBlock, samples.size() - first);
       for (const Pair ij : kPairs) {
-        term.use.term->normal()->branch(geometry.block(first, size), ij,
+        term.use.term->normal()->branch(geometry->block(first, size), ij,
                                         {branch.data(), static_cast<std::size_t>(size)});
         for (Index s = first; s < first + size; ++s) {
           if (!samples.computable(second(ij), s)) continue;

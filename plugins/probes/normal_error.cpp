@@ -28,7 +28,7 @@ class NormalError final : public Probe {
     std::fill(figures.begin(), figures.end(), kNoFigure);
     if (frame.step == 0) return;  // there is no previous state
     for (std::size_t t = 0; t < terms_.size(); ++t) {
-      const Angles angles = angles_of(terms_[t], frame.system);
+      const Angles angles = angles_of(terms_[t], frame);
       if (angles.none()) continue;
       figures[2 * t] = angles.mean();
       figures[2 * t + 1] = angles.max();
@@ -36,9 +36,10 @@ class NormalError final : public Probe {
   }
 
  private:
-  Angles angles_of(const JetTermUse& use, const System& system) {
-    const Geometry& now = system.geometry(*use.samples);
-    const Geometry& lagged = system.previous_geometry(*use.samples);
+  Angles angles_of(const JetTermUse& use, const Frame& frame) {
+    const auto geometry = frame.geometry(*use.samples),
+               previous = frame.previous_geometry(*use.samples);
+    const Geometry &now = *geometry, &lagged = *previous;
     const ConstVectors n = now.all().n();
     const ConstValues area = use.samples->weights();
     Angles angles;

@@ -1,8 +1,10 @@
 /// Whether a state of equilibrium is one that the surface stays at.
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include <deform/record/probe.h>
+#include <deform/solve/newton_matrix.h>
 
 namespace {
 
@@ -20,16 +22,22 @@ class StabilityProbe final : public Probe {
   }
 
   void measure(const Frame& frame, Values figures) override {
-    if (!frame.system.without_tangent().empty()) {  // what has no potential has no such eigenvalues
+    if (!frame.system.evaluator()
+             .without_tangent()
+             .empty()) {  // what has no potential has no such eigenvalues
       for (double& figure : figures) figure = kNoFigure;
       return;
     }
-    frame.system.evaluate_with_tangent(frame.state, Tangent::exact);
-    const System::Stability s = frame.system.stability();
+    if (!tangent_) tangent_.emplace(frame.system);
+    tangent_->evaluate(frame.state);
+    const NewtonMatrix::Stability s = tangent_->stability();
     figures[0] = s.lowest;
     figures[1] = static_cast<double>(s.negative);
     figures[2] = s.lowest >= 0 ? std::sqrt(s.lowest) / (2 * std::numbers::pi) : kNoFigure;
   }
+
+ private:
+  std::optional<NewtonMatrix> tangent_;  // of the run's system
 };
 
 }  // namespace

@@ -46,7 +46,7 @@ class BiCgStab final : public LinearSolver {
 
   void analyse(const SparseMatrix& /*a*/, const MatrixTraits& /*traits*/) override {}
 
-  [[nodiscard]] std::string factor(const SparseMatrix& a) override {
+  [[nodiscard]] Factorisation factor(const SparseMatrix& a) override {
     for (const double value : a.value)
       if (!std::isfinite(value)) return "an entry is not finite";
     a_ = Eigen::Map<const Rows>(a.size, a.size, static_cast<Index>(a.value.size()),

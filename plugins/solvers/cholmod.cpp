@@ -92,7 +92,7 @@ class Cholmod final : public LinearSolver {
       throw std::runtime_error("CHOLMOD cannot analyse the matrix: " + failure());
   }
 
-  [[nodiscard]] std::string factor(const SparseMatrix& a) override {
+  [[nodiscard]] Factorisation factor(const SparseMatrix& a) override {
     const OneThread one;
     if (a.size == 0) return "";
     if (factor_ == nullptr || factor_->n != static_cast<std::size_t>(a.size))
@@ -100,7 +100,8 @@ class Cholmod final : public LinearSolver {
     cholmod_sparse view = view_of(a);
     if (cholmod_factorize(&view, factor_, &common_) == 0) return "CHOLMOD: " + failure();
     if (common_.status == CHOLMOD_NOT_POSDEF)
-      return "not positive definite (at column " + std::to_string(failed_column()) + ")";
+      return Factorisation::not_positive_definite("not positive definite (at column " +
+                                                  std::to_string(failed_column()) + ")");
     if (common_.status != CHOLMOD_OK) return "CHOLMOD: " + failure();
     const double rcond = cholmod_rcond(factor_, &common_);
     if (!(rcond > std::numeric_limits<double>::epsilon()))  // not a number, too

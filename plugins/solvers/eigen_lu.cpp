@@ -21,7 +21,7 @@ class EigenLu final : public LinearSolver {
     if (a.size > 0) lu_.analyzePattern(columns_of(a));
   }
 
-  [[nodiscard]] std::string factor(const SparseMatrix& a) override {
+  [[nodiscard]] Factorisation factor(const SparseMatrix& a) override {
     for (const double value : a.value)
       if (!std::isfinite(value)) return "an entry is not finite";
     if (a.size == 0) return "";

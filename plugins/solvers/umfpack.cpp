@@ -61,7 +61,7 @@ class Umfpack final : public LinearSolver {
     numbers_.resize(5 * static_cast<std::size_t>(n));  // as much as refinement needs
   }
 
-  [[nodiscard]] std::string factor(const SparseMatrix& a) override {
+  [[nodiscard]] Factorisation factor(const SparseMatrix& a) override {
     const OneThread one;
     if (a.size != a_.size || a.value.size() != a_.column.size())
       throw std::logic_error("factor() of a matrix that was not analysed");

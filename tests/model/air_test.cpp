@@ -94,7 +94,7 @@ TEST(Wind, StillAirTakesEnergyOfAMovingSheet) {
           "integrator": {"plugin": "symplectic_euler", "step": 1e-4}, "duration": 0.5})");
   const auto energy = [&s] {
     const NodeValues speed = s.state().v.rowwise().squaredNorm();
-    return 0.5 * s.system().mass().dot(speed) + s.system().energy(0, s.state());
+    return 0.5 * s.system().mass().dot(speed) + s.system().terms().energy(0, s.state());
   };
   s.step();
   const double begin = energy();
@@ -207,14 +207,16 @@ TEST(Pressure, OnATorusSumsToZeroAndHasItsVolumeAsPotential) {
   const Torus torus;
   Simulation s = sheet(R"({"plugin": "pressure", "pressure": 5})", "", 0.001, 0.2, "semi_implicit",
                        torus.surface());
-  EXPECT_NEAR(s.system().external_potential(s.state()), -5 * Torus::volume(),
+  EXPECT_NEAR(s.system().terms().external_potential(s.state()), -5 * Torus::volume(),
               1e-12 * 5 * Torus::volume());
-  const auto net = [&s] { return s.system().external_force(s.state()).colwise().sum().norm(); };
+  const auto net = [&s] {
+    return s.system().terms().external_force(s.state()).colwise().sum().norm();
+  };
   EXPECT_LT(net(), 1e-12);
-  const double at_first = s.system().external_potential(s.state());
+  const double at_first = s.system().terms().external_potential(s.state());
   ASSERT_FALSE(run_to_end(s));
   EXPECT_LT(net(), 1e-12);
-  EXPECT_LT(s.system().external_potential(s.state()), at_first);  // it has swollen
+  EXPECT_LT(s.system().terms().external_potential(s.state()), at_first);  // it has swollen
   const NodeValues& mass = s.system().mass();
   EXPECT_LT((mass.transpose() * s.state().r).norm(), 1e-9 * mass.sum());  // in its place
 }
@@ -229,8 +231,8 @@ TEST(Pressure, KeepsTheEnergyOfAClosedSurface) {
     const auto energy = [&s] {
       double sum = 0.5 * s.system().mass().dot(s.state().v.rowwise().squaredNorm());
       for (std::size_t t = 0; t < s.system().energies().size(); ++t)
-        sum += s.system().energy(t, s.state());
-      return sum + s.system().external_potential(s.state());
+        sum += s.system().terms().energy(t, s.state());
+      return sum + s.system().terms().external_potential(s.state());
     };
     const double begin = energy();
     double drift = 0, kinetic = 0;

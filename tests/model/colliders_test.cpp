@@ -196,7 +196,7 @@ TEST(Contact, ClearanceIsThatOfTheNearestBody) {
                  {"plugin": "plane", "point": [0, 0, -0.4]})"));
   NodeVectors points(2, 3);
   points << 0.5, 0.5, 0.2, 10, 10, 0;
-  const NodeValues clearance = s.system().clearance(0, points);
+  const NodeValues clearance = s.system().contact().clearance(0, points);
   EXPECT_DOUBLE_EQ(clearance[0], 0.25);
   EXPECT_DOUBLE_EQ(clearance[1], 0.4);
 }

@@ -325,7 +325,7 @@ TEST(ContactMechanics, ContactGivesNoEnergy) {
         integrator));
     const auto energy = [&] {
       const State& state = s.state();
-      return s.system().potential(state) +
+      return s.system().evaluator().potential(state) +
              0.5 * s.system().mass().dot(state.v.rowwise().squaredNorm());
     };
     const double begun = energy();

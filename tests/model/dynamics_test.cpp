@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "deform/solve/linear_solver.h"
+#include "deform/solve/newton_matrix.h"
 #include "deform/solve/stepped_integrator.h"
 
 #include "model/support/simulate.h"
@@ -131,7 +132,7 @@ std::pair<double, double> changes_in_flight(const std::string& name, double step
   const Vec3 p = momentum(s.system(), state), l = angular_momentum(s.system(), state);
   double of_p = 0, of_l = 0;
   for (int i = 0; i < std::lround(2.0 / step); ++i) {
-    s.system().begin_step(state);
+    s.system().begin_step();
     own->advance(s.system(), state, step);
     of_p = std::max(of_p, (momentum(s.system(), state) - p).norm() / p.norm());
     of_l = std::max(of_l, (angular_momentum(s.system(), state) - l).norm() / l.norm());
@@ -154,8 +155,8 @@ TEST(Dynamics, FreeFlightKeepsMomentumAsEachMethodPromises) {
   EXPECT_LT(l, 1e-10);
 }
 
-double total_energy(System& system, const State& state) {
-  return system.potential(state) +
+double total_energy(const System& system, const State& state) {
+  return system.evaluator().potential(state) +
          0.5 * system.mass().dot(NodeValues(state.v.rowwise().squaredNorm()));
 }
 
@@ -175,7 +176,7 @@ std::pair<double, double> drift_of(const std::string& name, double step, long st
   while (s.steps() < steps) {
     s.step();
     const double energy = total_energy(s.system(), s.state());
-    exchanged = std::max(exchanged, std::abs(s.system().external_potential(s.state())));
+    exchanged = std::max(exchanged, std::abs(s.system().terms().external_potential(s.state())));
     double& half = 2 * s.steps() <= steps ? first : second;
     half = std::max(half, std::abs(energy - begin));
   }
@@ -207,8 +208,9 @@ TEST(Dynamics, CantileverSwingsAtItsFrequency) {
           "constraints": [{{"plugin": "clamp", "where": {{"boundary": "left"}}}}],
           "integrator": {{"plugin": "implicit_midpoint", "step": {}}}, "duration": {}}})",
       mu, period / 2, period / 200, 11 * period));
-  s.system().evaluate_with_tangent(s.state(), Tangent::exact);
-  EXPECT_NEAR(std::sqrt(s.system().stability().lowest) / omega, 1, 0.002);
+  NewtonMatrix tangent(s.system());
+  tangent.evaluate(s.state());
+  EXPECT_NEAR(std::sqrt(tangent.stability().lowest) / omega, 1, 0.002);
 
   const Index tip = s.system().surface().boundary("right")[1];
   std::vector<double> crossings;  // of z = 0, upwards, after the push
@@ -251,9 +253,10 @@ TEST(Dynamics, RayleighDampingIsAsKnown) {
     return std::pair(early, late);
   };
   Simulation s = simulation_from_text(kSheet, {kClamped, kStiffer});
-  s.system().evaluate_with_tangent(s.state(), Tangent::exact);
-  const double lowest = s.system().stability().lowest;  // ω² [1/s²]
-  const double retardation = 0.2 / lowest;              // e^{−2} in 20 s
+  NewtonMatrix tangent(s.system());
+  tangent.evaluate(s.state());
+  const double lowest = tangent.stability().lowest;  // ω² [1/s²]
+  const double retardation = 0.2 / lowest;           // e^{−2} in 20 s
   const auto [early, late] = swing(retardation);
   EXPECT_NEAR(late / early, std::exp(-retardation * lowest / 2 * 10), 0.05);
   const auto [undamped_early, undamped_late] = swing(0);
@@ -291,16 +294,17 @@ TEST(Dynamics, DampingForceIsThatOfStrainRates) {
   forward.r += h * flat.v, backward.r -= h * flat.v;
   System& system = at_rest.system();
   const double curvature =
-      (system.potential(forward) + system.potential(backward) - 2 * system.potential(flat)) /
+      (system.evaluator().potential(forward) + system.evaluator().potential(backward) -
+       2 * system.evaluator().potential(flat)) /
       (h * h);
-  const double power = system.damping_force(flat).cwiseProduct(flat.v).sum();
+  const double power = system.evaluator().damping_force(flat).cwiseProduct(flat.v).sum();
   EXPECT_NEAR(power, -0.25 * curvature, 1e-5 * std::abs(power));
   // Anywhere: dissipates, and a rigid motion feels nothing.
-  EXPECT_LT(s.system().damping_force(state).cwiseProduct(state.v).sum(), 0);
-  const double largest = s.system().damping_force(state).cwiseAbs().maxCoeff();
+  EXPECT_LT(s.system().evaluator().damping_force(state).cwiseProduct(state.v).sum(), 0);
+  const double largest = s.system().evaluator().damping_force(state).cwiseAbs().maxCoeff();
   for (Index a = 0; a < state.r.rows(); ++a)
     state.v.row(a) = Vec3(1, 2, 3) + Vec3(-1, 2, 0.5).cross(Vec3(state.r.row(a).transpose()));
-  EXPECT_LT(s.system().damping_force(state).cwiseAbs().maxCoeff(), 1e-12 * largest);
+  EXPECT_LT(s.system().evaluator().damping_force(state).cwiseAbs().maxCoeff(), 1e-12 * largest);
 }
 
 /// A method that cannot take steps longer than it says: r⁺ = r + h v.

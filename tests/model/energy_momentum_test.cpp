@@ -48,9 +48,9 @@ NodeVectors moved(const NodeVectors& rest, double angle, double deformation, uns
   return r;
 }
 
-double internal_energy(System& system, const State& state) {
+double internal_energy(const System& system, const State& state) {
   double sum = 0;
-  for (std::size_t t = 0; t < system.energies().size(); ++t) sum += system.energy(t, state);
+  for (std::size_t t = 0; t < system.energies().size(); ++t) sum += system.terms().energy(t, state);
   return sum;
 }
 
@@ -70,10 +70,9 @@ TEST_P(OverAStep, ForcesOfMeanStrainsConserve) {
       const double scale = internal_energy(system, end) + internal_energy(system, start);
       State middle = start;
       middle.r = 0.5 * (start.r + end.r);
-      system.average_strains_from(start.r);
-      system.evaluate(middle);
-      const NodeVectors f = system.force();
-      system.end_average_of_strains();
+      StepStrains strains;
+      strains.average_from(system.evaluator(), start.r);
+      const NodeVectors f = system.evaluator().force(middle, &strains);
       const double forces = f.rowwise().norm().sum() + 1e-9;
       EXPECT_NEAR(f.cwiseProduct(end.r - start.r).sum(), -change, 1e-10 * (scale + forces));
       EXPECT_LT(f.colwise().sum().norm(), 1e-12 * forces);
@@ -89,15 +88,13 @@ TEST_P(OverAStep, ForcesOfMeanStrainsAreOfSecondOrder) {
   System& system = s.system();
   State state = s.state();
   state.r = moved(system.rest(), 0.3, 0.01, 1);
-  system.evaluate(state);
-  const NodeVectors exact = system.force();
+  const NodeVectors exact = system.evaluator().force(state);
   const NodeVectors way = moved(state.r, 0.2, 0.01, 2) - state.r;
   const auto error = [&](double h) {
     const NodeVectors start = state.r - 0.5 * h * way;
-    system.average_strains_from(start);
-    system.evaluate(state);
-    system.end_average_of_strains();
-    return (system.force() - exact).norm() / exact.norm();
+    StepStrains strains;
+    strains.average_from(system.evaluator(), start);
+    return (system.evaluator().force(state, &strains) - exact).norm() / exact.norm();
   };
   EXPECT_LT(error(0), 1e-12);
   const double coarse = error(0.02), fine = error(0.01);
@@ -106,23 +103,23 @@ TEST_P(OverAStep, ForcesOfMeanStrainsAreOfSecondOrder) {
 
 /// What searches go by: the energy of the mean strains falls by the work of the forces that are
 /// its gradient, which is what is left when the others are taken away.
-TEST_P(OverAStep, WhatIsBesideThePotentialIsTheRest) {
+TEST_P(OverAStep, NonconservativeForcesAreTheRest) {
   Simulation s = simulation_from_text(std::get<1>(GetParam()));
   System& system = s.system();
   State state = s.state();
   const NodeVectors start = moved(system.rest(), 0.3, 0.01, 1);
   state.r = 0.5 * (start + moved(start, 0.4, 0.01, 2));
   const NodeVectors way = moved(state.r, 0.1, 0.05, 3) - state.r;
-  system.average_strains_from(start);
-  system.evaluate(state);
-  const NodeVectors f = system.force() - system.force_beside_potential(state);
+  StepStrains strains;
+  strains.average_from(system.evaluator(), start);
+  const NodeVectors f = system.evaluator().force(state, &strains) -
+                        system.evaluator().nonconservative_force(state, &strains);
   const double h = 1e-5;
   State there = state;
   there.r = state.r + h * way;
-  const double ahead = system.potential(there);
+  const double ahead = system.evaluator().potential(there, &strains);
   there.r = state.r - h * way;
-  const double behind = system.potential(there);
-  system.end_average_of_strains();
+  const double behind = system.evaluator().potential(there, &strains);
   const double slope = (ahead - behind) / (2 * h);
   EXPECT_NEAR(slope, -f.cwiseProduct(way).sum(), 1e-6 * std::abs(slope));
 }
@@ -145,7 +142,7 @@ Vec3 angular_momentum(const System& system, const State& state) {
   return sum;
 }
 
-double energy(System& system, const State& state) {
+double energy(const System& system, const State& state) {
   return internal_energy(system, state) + 0.5 * system.mass().dot(state.v.rowwise().squaredNorm());
 }
 

@@ -104,14 +104,14 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Potential, VariationalForceIsNoGradientOnAMixedFrame) {
   Simulation s = simulation_from_text(scene(kVariational, kPaper, kArc));
   State state = disturbed(s, 0.1);
-  const NodeVectors force = s.system().internal_force(0, state);
+  const NodeVectors force = s.system().terms().internal_force(0, state);
   double worst = 0;
   for (Index a = 0; a < force.rows(); ++a) {
     const double h = 1e-5, r = state.r(a, 2);
     state.r(a, 2) = r + h;
-    const double above = s.system().energy(0, state);
+    const double above = s.system().terms().energy(0, state);
     state.r(a, 2) = r - h;
-    const double below = s.system().energy(0, state);
+    const double below = s.system().terms().energy(0, state);
     state.r(a, 2) = r;
     worst = std::max(worst, std::abs(force(a, 2) + (above - below) / (2 * h)));
   }
@@ -126,17 +126,17 @@ class RigidMotionTest : public testing::TestWithParam<RigidCase> {};
 
 TEST_P(RigidMotionTest, GivesNoForce) {
   Simulation s = simulation_from_text(scene(GetParam().energy, GetParam().grid, GetParam().rest));
-  const double reference = s.system().internal_force(0, disturbed(s, 0.01)).norm();
+  const double reference = s.system().terms().internal_force(0, disturbed(s, 0.01)).norm();
   State moved{s.system().rest(), NodeVectors::Zero(s.system().nodes(), 3), 0};
   const Eigen::Matrix3d rotation =
       Eigen::AngleAxisd(1.1, Vec3(1, -2, 0.7).normalized()).toRotationMatrix();
   const Eigen::RowVector3d shift(3, -1, 2);
   moved.r = (moved.r * rotation.transpose()).eval().rowwise() + shift;
-  const double force = s.system().internal_force(0, moved).norm() / reference;
+  const double force = s.system().terms().internal_force(0, moved).norm() / reference;
   EXPECT_LT(force, 1e-9);
   RecordProperty("force_over_that_at_1_percent_strain", scientific(force));
-  const double energy_scale = s.system().energy(0, disturbed(s, 0.01));
-  EXPECT_LT(s.system().energy(0, moved), 1e-9 * energy_scale);
+  const double energy_scale = s.system().terms().energy(0, disturbed(s, 0.01));
+  EXPECT_LT(s.system().terms().energy(0, moved), 1e-9 * energy_scale);
 }
 
 std::vector<RigidCase> rigid_cases() {
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(Terms, RigidMotionTest, testing::ValuesIn(rigid_cases()
 Momenta momenta(const std::string& energy, const std::string& grid, const std::string& rest) {
   Simulation s = simulation_from_text(scene(energy, grid, rest));
   const State state = disturbed(s, 0.05);
-  return deform::momenta(s.system().internal_force(0, state), state.r);
+  return deform::momenta(s.system().terms().internal_force(0, state), state.r);
 }
 
 TEST(Momenta, AreThoseOfEachForm) {
@@ -214,7 +214,7 @@ TEST(LaggedOperator, IsSymmetricAndSemidefiniteWherePromised) {
     Simulation s = simulation_from_text(scene(energy, kPaper, kArc));
     const TermTraits traits = s.system().energies().front().object->traits();
     ASSERT_EQ(traits.lagged, Lagged::symmetric) << energy;
-    const SparseMatrix k = s.system().lagged_force(0, disturbed(s, 0.05)).k;
+    const SparseMatrix k = s.system().terms().lagged_force(0, disturbed(s, 0.05)).k;
     EXPECT_LT(asymmetry(k), 1e-13) << energy;
     if (traits.semidefinite) {
       EXPECT_LT(indefiniteness(k), 1e-12) << energy;
@@ -239,7 +239,7 @@ TEST(Expanded, TendsToTheDivergenceFormInside) {
         state.r(a, 2) = 0.1 * std::sin(3 * x + 1) * std::cos(2 * y);
         state.r(a, 0) += 0.05 * std::sin(2 * y);
       }
-      const NodeVectors f = s.system().internal_force(0, state);
+      const NodeVectors f = s.system().terms().internal_force(0, state);
       NodeVectors inside(0, 3);
       for (Index a = 0; a < f.rows(); ++a) {
         const Vec2 at = s.system().surface().parameters().row(a);
@@ -267,7 +267,7 @@ TEST(DeltaFallback, HasNoForceOnAFlattenedCurvedStrip) {
     State flat{s.system().rest(), NodeVectors::Zero(s.system().nodes(), 3), 0};
     flat.r.leftCols<2>() = s.system().surface().parameters();
     flat.r.col(2).setZero();
-    return s.system().internal_force(0, flat).norm();
+    return s.system().terms().internal_force(0, flat).norm();
   };
   EXPECT_EQ(force(bending(R"({"plugin": "gauss", "delta": 0.5})", "divergence")), 0.0);
   EXPECT_GT(force(bending(kExact, "divergence")), 1e-4);

@@ -134,7 +134,7 @@ TEST(Periodic, TubeHasNoSeam) {
     state.r(a, 2) = axis.y() + 1.1 * (state.r(a, 2) - axis.y());
   }
   for (std::size_t term = 0; term < 2; ++term) {
-    const NodeVectors f = system.internal_force(term, state);
+    const NodeVectors f = system.terms().internal_force(term, state);
     for (Index ring = 0; ring < 9; ++ring)
       for (Index i = 1; i < 24; ++i)
         EXPECT_NEAR(f.row(24 * ring + i).norm(), f.row(24 * ring).norm(), 1e-12 * f.norm());

@@ -23,7 +23,7 @@ struct Load {
 };
 
 Load load_of(Simulation s) {
-  const NodeValues f = s.system().external_force(s.state()).col(2);
+  const NodeValues f = s.system().terms().external_force(s.state()).col(2);
   const Vec2 moment = s.system().surface().parameters().transpose() * f;
   return {f.sum(), moment / f.sum(), (f.array() != 0).count()};
 }
@@ -70,7 +70,7 @@ TEST(PatchLoad, TakesNodesWholeWhereTheseAreMeant) {
   const std::string paper = R"(, "differences": "forward", "border": "paper", "weights": "equal")";
   Simulation s =
       simulation_from_text(scene(21, R"({"centre": [0.5, 0.5], "radius": 0.06})", paper));
-  const NodeValues f = s.system().external_force(s.state()).col(2);
+  const NodeValues f = s.system().terms().external_force(s.state()).col(2);
   EXPECT_EQ((f.array() != 0).count(), 9);
   EXPECT_EQ(f.maxCoeff(), f[220]);
   EXPECT_NEAR(f[220], 2.0 / 9, 1e-15);

@@ -64,8 +64,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(SheetPEnergies, AreThoseOfTheTable) {
   Simulation s = simulation_of("benchmarks/sheet_p.json", "gauss_expanded_1e-6");
   ASSERT_FALSE(run_to_end(s));
-  EXPECT_NEAR(s.system().energy(0, s.state()), 3.173e-4, 0.5e-7);
-  EXPECT_NEAR(s.system().energy(1, s.state()), 1.183e-5, 0.5e-8);
+  EXPECT_NEAR(s.system().terms().energy(0, s.state()), 3.173e-4, 0.5e-7);
+  EXPECT_NEAR(s.system().terms().energy(1, s.state()), 1.183e-5, 0.5e-8);
 }
 
 /// Where it diverges depends on rounding; that it does, and is said to, does not.

@@ -203,8 +203,9 @@ TEST_F(Shadow, ForceIsThatOfASystemWithTheEstimator) {
     Simulation driver = test::simulation_from_text(kSheet, {of_form});
     ASSERT_FALSE(test::run_to_end(driver));
     Simulation other = test::simulation_from_text(kSheet, {of_form, exact});
-    const NodeVectors own = driver.system().internal_force(1, driver.state());
-    const auto [rms, max] = rms_and_max(other.system().internal_force(1, driver.state()) - own);
+    const NodeVectors own = driver.system().terms().internal_force(1, driver.state());
+    const auto [rms, max] =
+        rms_and_max(other.system().terms().internal_force(1, driver.state()) - own);
     EXPECT_GT(max, 0);
     const auto expect = [&last](const std::string& figure, double expected) {
       const double found = last.at("shadow.exact.bending.force." + figure).value();
@@ -228,13 +229,12 @@ TEST_F(Shadow, AngleIsThatOfPreviousCoefficientsOnThePresentJets) {
   std::array<std::vector<NodeVectors>, 2> normals;
   const SampleSet* samples = nullptr;
   for (std::size_t i = 0; i < 2; ++i) {
-    System& system = (i == 0 ? driver : other).system();
-    system.begin_step(previous);
-    system.update_geometry(driver.state());
+    const System& system = (i == 0 ? driver : other).system();
     const JetTermUse use = terms_with_normal(system).at(0);
     for (const Pair ij : kPairs) {
-      estimate_normals(use, system.previous_geometry(*use.samples), system.geometry(*use.samples),
-                       ij, normals[i].emplace_back());
+      estimate_normals(use, *system.terms().geometry(previous.r, *use.samples),
+                       *system.terms().geometry(driver.state().r, *use.samples), ij,
+                       normals[i].emplace_back());
     }
     samples = use.samples;
   }

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "deform/check/mechanics.h"
+#include "deform/solve/newton_matrix.h"
 
 #include "model/support/random.h"
 #include "model/support/simulate.h"
@@ -47,7 +48,7 @@ Vec3 derivative(const std::vector<EdgeNode::Entry>& row, const NodeVectors& r) {
 NodeVectors allowed(Simulation& s, unsigned seed) {
   NodeVectors r =
       s.system().surface().initial() + 0.3 * test::random_vectors(s.system().nodes(), seed);
-  s.system().prescribe(0, r);
+  s.system().constraints().prescribe(0, r);
   return r;
 }
 
@@ -78,8 +79,8 @@ double slope_of(Simulation& s, const std::string& side, int normal, const NodeVe
 
 TEST(Clamp, OfAFlatSideTiesOneComponentOfTheNextNodes) {
   Simulation s = sheet(clamp(R"("left")"));
-  const ReductionMap map(s.system().reduction());
-  EXPECT_FALSE(s.system().reduction().ties_mix_components());
+  const ReductionMap map(s.system().constraints().reduction());
+  EXPECT_FALSE(s.system().constraints().reduction().ties_mix_components());
   ASSERT_EQ(map.ties().size(), 6U);
   for (const Tie& tie : map.ties()) {
     EXPECT_EQ(s.system().surface().parameters()(tie.freedom.node, 0), 1.0 / 6);
@@ -104,13 +105,13 @@ TEST(Clamp, KeepsTheSideAndItsDirectionOrAllOfItsTangent) {
       EXPECT_LT(turn_of(s, side, allowed(s, 1)), 1e-12) << shape << side;
       Simulation full = sheet(clamp(quoted, "full"), "", shape);
       const NodeVectors r = allowed(full, 2), &initial = full.system().surface().initial();
-      EXPECT_FALSE(full.system().reduction().ties_mix_components());
+      EXPECT_FALSE(full.system().constraints().reduction().ties_mix_components());
       for (const EdgeNode& edge : full.system().surface().edge(side))
         EXPECT_LT(derivative(edge.inwards, r - initial).norm(), 1e-12) << shape << side;
     }
     Simulation s = sheet(clamp(R"(["left", "top"])"), "", shape);
     NodeVectors r = s.system().surface().initial();
-    s.system().prescribe(0, r);
+    s.system().constraints().prescribe(0, r);
     EXPECT_LT((r - s.system().surface().initial()).norm(), 1e-13);  // where it is at first
   }
 }
@@ -147,11 +148,12 @@ Simulation cantilever(int n, const std::string& load, const std::string& more = 
 }
 
 /// One step of Newton's method towards equilibrium; returns the largest displacement.
-double newton_step(System& system, State& state) {
-  system.evaluate_with_tangent(state, Tangent::exact);
-  EXPECT_EQ(system.factor_tangent(NodeValues::Zero(system.nodes())), "");
+double newton_step(const System& system, State& state) {
+  NewtonMatrix tangent(system);
+  tangent.evaluate(state);
+  EXPECT_EQ(tangent.factor(NodeValues::Zero(system.nodes())), "");
   NodeVectors x = NodeVectors::Zero(system.nodes(), 3);
-  EXPECT_EQ(system.solve_tangent(system.force(), x), "");
+  EXPECT_EQ(tangent.solve(system.evaluator().force(state), x), "");
   state.r += x;
   return x.cwiseAbs().maxCoeff();
 }
@@ -196,7 +198,8 @@ TEST(Moment, RollsAStripIntoACircle) {
     for (int i = 0; i < 20 && change > 1e-9; ++i, ++steps) change = newton_step(s.system(), state);
     ASSERT_LT(change, 1e-9) << increment;
   }
-  EXPECT_NEAR(-s.system().external_potential(state) / kFull, 2 * std::numbers::pi, 0.1) << steps;
+  EXPECT_NEAR(-s.system().terms().external_potential(state) / kFull, 2 * std::numbers::pi, 0.1)
+      << steps;
   EXPECT_LT((state.r.row(2 * kNodes - 1) - state.r.row(kNodes)).norm(), 0.02) << steps;
   EXPECT_LE(steps, 7 * kIncrements);  // the tangent is exact
 }
@@ -235,7 +238,7 @@ TEST(Sides, ForcesOnTiedComponentsDoTheirWork) {
   for (const std::string& constraints : {clamp(R"("all")"), symmetry(R"(["left", "bottom"])"),
                                          clamp(R"("left")") + ", " + symmetry(R"("top")")}) {
     Simulation s = sheet(constraints);
-    const Reduction& reduction = s.system().reduction();
+    const Reduction& reduction = s.system().constraints().reduction();
     const ReductionMap map(reduction);
     const Index n = s.system().nodes();
     NodeVectors q = test::random_vectors(n, 7), f = test::random_vectors(n, 8), reduced = f;
@@ -285,11 +288,12 @@ TEST(EdgeLoad, IsForceTimesLength) {
         kSphere,
         fmt::format(R"(, "nodes": [7, 6], "differences": "central", "weights": "{}")", weights));
     State state = disturbed(s.system().rest(), 0.1);
-    const NodeVectors f = s.system().external_force(state);
+    const NodeVectors f = s.system().terms().external_force(state);
     // A meridian, and a circle of latitude that is shorter than the equator.
     const double length = 0.8 + std::cos(0.8 / (2 * 1.5));
     EXPECT_LT((Vec3(f.colwise().sum()) - length * Vec3(1, -2, 3)).norm(), 1e-4);
-    EXPECT_NEAR(s.system().external_potential(state), -f.cwiseProduct(state.r).sum(), 1e-13);
+    EXPECT_NEAR(s.system().terms().external_potential(state), -f.cwiseProduct(state.r).sum(),
+                1e-13);
   }
 }
 
@@ -301,7 +305,7 @@ TEST(Moment, IsACouple) {
   const Vec3 axis = Vec3(0.2, 2, 0.1).normalized();
   for (const double strain : {0.0, 0.1, 0.3}) {
     const State state = disturbed(s.system().rest(), strain);
-    const NodeVectors f = s.system().external_force(state);
+    const NodeVectors f = s.system().terms().external_force(state);
     Vec3 torque = Vec3::Zero();
     for (Index a = 0; a < f.rows(); ++a) torque += Vec3(state.r.row(a)).cross(Vec3(f.row(a)));
     EXPECT_LT(f.colwise().sum().norm(), 1e-13 * f.norm());
@@ -312,11 +316,12 @@ TEST(Moment, IsACouple) {
 TEST(Moment, HasThePotentialAndTheTangentOfAnAngle) {
   Simulation s = sheet("", kMoment, kSphere);
   const State at = disturbed(s.system().rest(), 0.1);
-  const NodeVectors f = s.system().external_force(at), x = test::random_vectors(f.rows(), 9);
+  const NodeVectors f = s.system().terms().external_force(at),
+                    x = test::random_vectors(f.rows(), 9);
   const auto potential_at = [&](double step) {
     State moved = at;
     moved.r += step * x;
-    return s.system().external_potential(moved);
+    return s.system().terms().external_potential(moved);
   };
   constexpr double h = 1e-5;
   EXPECT_NEAR(f.cwiseProduct(x).sum(), -(potential_at(h) - potential_at(-h)) / (2 * h), 1e-6);
@@ -333,7 +338,7 @@ TEST(Moment, CountsTheTurnsOfARolledStrip) {
     State state = disturbed(s.system().rest(), 0);
     for (Index i = 0; i < a.rows(); ++i)
       state.r.row(i) << std::sin(k * a(i, 0)) / k, a(i, 1), (1 - std::cos(k * a(i, 0))) / k;
-    EXPECT_NEAR(s.system().external_potential(state), -k, 0.02 * std::abs(k)) << turns;
+    EXPECT_NEAR(s.system().terms().external_potential(state), -k, 0.02 * std::abs(k)) << turns;
   }
 }
 

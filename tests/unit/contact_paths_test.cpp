@@ -1,5 +1,5 @@
 /// Where straight paths come into bodies: known points, thin bodies, bodies that are not convex.
-#include "solve/contact_paths.h"
+#include "solve/contact/contact_paths.h"
 
 #include <cmath>
 #include <random>

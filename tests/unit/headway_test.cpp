@@ -1,5 +1,5 @@
 /// When a run that crawls is warned of: by what it gains, not by how fast this machine is.
-#include "solve/headway.h"
+#include "solve/stepping/headway.h"
 
 #include <gtest/gtest.h>
 

@@ -60,7 +60,7 @@ SparseMatrix sparse(const MatrixXd& a, const MatrixXd& pattern) {
 // Factorises and solves with k right-hand sides; they and the solution are parts of larger
 // matrices.
 void expect_solves(LinearSolver& solver, const MatrixXd& a, const SparseMatrix& s, Index k) {
-  ASSERT_EQ(solver.factor(s), "");
+  ASSERT_EQ(solver.factor(s).reason, "");
   const MatrixXd b = MatrixXd::Random(a.rows() + 3, k);
   MatrixXd x = MatrixXd::Zero(a.rows() + 2, k);
   solver.solve(b.topRows(a.rows()), x.topRows(a.rows()));
@@ -134,11 +134,11 @@ TEST_P(Solvers, DoNotRememberEarlierValues) {
   MatrixXd fresh(n, 3), later(n, 3);
   const auto solver = make(), used = make();
   solver->analyse(s, traits_of(a));
-  ASSERT_EQ(solver->factor(s), "");
+  ASSERT_EQ(solver->factor(s).reason, "");
   solver->solve(b, fresh);
   used->analyse(other, traits_of(a));
-  ASSERT_EQ(used->factor(other), "");
-  ASSERT_EQ(used->factor(s), "");
+  ASSERT_EQ(used->factor(other).reason, "");
+  ASSERT_EQ(used->factor(s).reason, "");
   used->solve(b, later);
   EXPECT_EQ(fresh, later);  // bit by bit
 }
@@ -163,7 +163,7 @@ TEST_P(Solvers, GiveAReasonForSingularMatricesAndRecover) {
   const SparseMatrix s = sparse(good, pattern);
   solver->analyse(s, traits_of(good));
   for (const MatrixXd& bad : {zero_row, floating, not_a_number}) {
-    EXPECT_NE(solver->factor(sparse(bad, pattern)), "");
+    EXPECT_NE(solver->factor(sparse(bad, pattern)).reason, "");
     expect_solves(*solver, good, s, 3);
   }
 }
@@ -172,7 +172,7 @@ TEST_P(Solvers, TakeAnEmptyMatrix) {
   const auto solver = make();
   const SparseMatrix nothing;
   solver->analyse(nothing, {});
-  EXPECT_EQ(solver->factor(nothing), "");
+  EXPECT_EQ(solver->factor(nothing).reason, "");
   MatrixXd x(0, 3);
   solver->solve(MatrixXd(0, 3), x);
 }
@@ -206,7 +206,7 @@ TEST(Cholmod, NamesTheColumnWhereDefinitenessEnds) {
     MatrixXd a = random_definite(30, 1);
     a(17, 17) = -1;
     solver->analyse(sparse(a, pattern), traits_of(a));
-    EXPECT_EQ(solver->factor(sparse(a, pattern)), "not positive definite (at column 17)");
+    EXPECT_EQ(solver->factor(sparse(a, pattern)).reason, "not positive definite (at column 17)");
   }
 }
 
@@ -216,7 +216,7 @@ TEST(Cholmod, RefusesIndefiniteMatricesThatHaveAnLdlFactor) {
   a(2, 2) = -1;
   const SparseMatrix s = sparse(a, a);
   solver->analyse(s, traits_of(a));
-  EXPECT_NE(solver->factor(s), "");
+  EXPECT_NE(solver->factor(s).reason, "");
 }
 
 TEST(Umfpack, SolvesIndefiniteMatrices) {

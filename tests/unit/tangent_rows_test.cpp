@@ -1,5 +1,5 @@
 /// Rows of tangents, made and moved side by side: as one by one.
-#include "solve/tangent_rows.h"
+#include "solve/assembly/tangent_rows.h"
 
 #include <array>
 #include <limits>

@@ -1,5 +1,5 @@
 /// Tangents solved to a tolerance: rows that go to a solver, and what is done when it does not end.
-#include "solve/tangent_solver.h"
+#include "solve/matrix/tangent_solver.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ class Endless final : public LinearSolver, public BlockSolver {
  public:
   [[nodiscard]] double suitability(const MatrixTraits& /*traits*/) const override { return 0; }
   void analyse(const SparseMatrix& /*a*/, const MatrixTraits& /*traits*/) override {}
-  [[nodiscard]] std::string factor(const SparseMatrix& /*a*/) override { return "endless"; }
+  [[nodiscard]] Factorisation factor(const SparseMatrix& /*a*/) override { return "endless"; }
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& /*b*/,
              Eigen::Ref<Eigen::MatrixXd> /*x*/) override {}
   [[nodiscard]] BlockSolver* blocks() override { return this; }
@@ -72,7 +72,7 @@ TEST(TangentSolver, HandsOverTheWholeMatrix) {
   EXPECT_EQ(endless->diagonal, beside);
   const NodeVectors b = NodeVectors::Ones(kNodes, 3);
   NodeVectors x, product;
-  ASSERT_EQ(solver.solve_to_tolerance(0.1, b, x), "");
+  ASSERT_EQ(solver.solve_to_tolerance(0.1, false, b, x), "");
   EXPECT_EQ(solver.iterations(), 7);
   k.multiply(x, product);
   product += d.asDiagonal() * x;
@@ -95,7 +95,7 @@ TEST(TangentSolver, SaysWhyWhereItIsAlone) {
   const NodeValues d = NodeValues::Ones(4);
   ASSERT_EQ(solver.factor_to_tolerance(d, d, true), "");
   NodeVectors x;
-  EXPECT_NE(solver.solve_to_tolerance(0.1, NodeVectors::Ones(4, 3), x).find("endless"),
+  EXPECT_NE(solver.solve_to_tolerance(0.1, false, NodeVectors::Ones(4, 3), x).find("endless"),
             std::string::npos);
 }
 

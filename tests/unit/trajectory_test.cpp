@@ -79,8 +79,8 @@ TEST_F(TrajectoryTest, HoldsTheSurfaceAndItsFields) {
   EXPECT_EQ(trajectory.fields().back().labels.size(), 4U);
   while (simulation.steps() < 6) simulation.step();
   const Frame frame = simulation.frame();
-  const ConstValues B_11 =
-      frame.system.geometry(surface.samples(SampleRole::bending)).all().B(Pair::p11);
+  const auto geometry = frame.geometry(surface.samples(SampleRole::bending));
+  const ConstValues B_11 = geometry->all().B(Pair::p11);
   const std::vector<float> recorded = trajectory.field(2, 0);
   for (std::size_t i = 0; i < recorded.size(); ++i)
     EXPECT_EQ(recorded[i], static_cast<float>(B_11[i]));
@@ -91,7 +91,7 @@ TEST_F(TrajectoryTest, HoldsTheSurfaceAndItsFields) {
   const std::vector<float> density = trajectory.field(2, 3);
   for (std::size_t i = 0; i < density.size(); ++i)
     energy += surface.areas()[static_cast<Index>(i)] * static_cast<double>(density[i]);
-  const double expected = frame.system.energy(0, frame.state);
+  const double expected = frame.system.terms().energy(0, frame.state);
   EXPECT_GT(expected, 0);
   EXPECT_NEAR(energy / expected, 1, 1e-6);
 }

@@ -291,12 +291,12 @@ constexpr const char* kCureOfTangents =
     "`tangent` or `dependence` is wrong; where there is no `stress`, tangents are differences of "
     "differences, which `stress` makes exact to 1e-9";
 
-void check_operator(System& system, std::size_t term, const TermTraits& traits, const State& state,
+void check_operator(const System& system, std::size_t term, const TermTraits& traits, const State& state,
                     Checks& checks) {
   if (traits.lagged == Lagged::none) return;
   checks.below("lagged operator: f = c − K r where it is lagged", lagged_error(system, term, state),
                1e-10);
-  const SparseMatrix k = system.lagged_force(term, state).k;
+  const SparseMatrix k = system.terms().lagged_force(term, state).k;
   if (traits.lagged == Lagged::symmetric)
     checks.below("lagged operator: symmetric, as promised", asymmetry(k), 1e-12);
   if (traits.semidefinite)
@@ -304,30 +304,31 @@ void check_operator(System& system, std::size_t term, const TermTraits& traits, 
 }
 
 /// Energy and force of the rest state turned and moved, against those of the disturbed one.
-void report_rigid_motion(System& system, std::size_t term, const State& state, Checks& checks) {
+void report_rigid_motion(const System& system, std::size_t term, const State& state, Checks& checks) {
   State moved{system.rest(), NodeVectors::Zero(system.nodes(), 3), 0};
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(1.1, Vec3(1, -2, 0.7).normalized()).toRotationMatrix();
   moved.r = (moved.r * turn.transpose()).eval().rowwise() + Eigen::RowVector3d(3, -1, 2);
-  const double scale = system.internal_force(term, state).norm();
-  const double force = system.internal_force(term, moved).norm();
+  const double scale = system.terms().internal_force(term, state).norm();
+  const double force = system.terms().internal_force(term, moved).norm();
   checks.report("force after a rigid motion of the rest state, relative",
                 scale > 0 ? force / scale : force);
 }
 
-void check_mechanics_of(System& system, std::size_t term, bool one_frame, Checks& checks) {
+void check_mechanics_of(const System& system, std::size_t term, bool one_frame, Checks& checks) {
   const TermTraits traits = system.energies()[term].object->traits();
   const State state = disturbed(system.rest(), kStrain);
-  const NodeVectors force = system.internal_force(term, state);
+  const NodeVectors force = system.terms().internal_force(term, state);
   checks.holds("force is finite", force.allFinite(),
                what_is_not_finite(numbers_of(force), [&](std::size_t i) {
                  const auto n = static_cast<std::size_t>(force.rows());
                  return fmt::format("{} at node {}", "xyz"[i / n], i % n);
                }));
-  const double energy = system.energy(term, state);
+  const double energy = system.terms().energy(term, state);
   checks.holds("energy is finite", std::isfinite(energy), fmt::format("it is {}", energy));
-  checks.holds("same force on any number of threads",
-               same_on_threads([&] { return numbers_of(system.internal_force(term, state)); }),
+  checks.holds("same force on any number of threads", same_on_threads([&] {
+                 return numbers_of(system.terms().internal_force(term, state));
+               }),
                "one thread and several differ");
   if (traits.potential && one_frame)
     checks.below("force = −gradient of the energy, as promised",
@@ -344,7 +345,7 @@ void check_mechanics_of(System& system, std::size_t term, bool one_frame, Checks
 }
 
 /// Tangents of the whole system: there is nothing else in its scene.
-void check_tangents(System& system, Checks& checks) {
+void check_tangents(const System& system, Checks& checks) {
   const State state = disturbed(system.rest(), kStrain);
   checks.below("exact tangent = −derivative of the force", tangent_error(system, state),
                limit_of(tangent_resolution(system, state)), kCureOfTangents);

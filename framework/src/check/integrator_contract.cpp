@@ -61,15 +61,15 @@ void check_time_and_prescription(const Subject& subject, const Terrain& terrain,
   Simulation s = scene.simulation(0.01, 0.1);
   const auto integrator = subject.make<Integrator>(terrain).object;
   State state = s.state();
-  s.system().begin_step(state);
+  s.system().begin_step();
   for (int i = 1; i <= 3; ++i) {
     integrator->advance(s.system(), state, 0.01);
     checks.below("advances time by the step [s]", std::abs(state.time - 0.01 * i), 1e-12);
     NodeVectors target = state.r;
-    s.system().prescribe(0.01 * i, target);
+    s.system().constraints().prescribe(0.01 * i, target);
     checks.below("prescribed positions end where the constraint says [m]",
                  (state.r - target).cwiseAbs().maxCoeff(), 1e-12);
-    s.system().begin_step(state);
+    s.system().begin_step();
   }
 }
 

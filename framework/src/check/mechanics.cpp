@@ -5,6 +5,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "deform/solve/newton_matrix.h"
+
 #include "check/noise.h"
 
 namespace deform {
@@ -30,10 +32,11 @@ NodeVectors random_directions(Index nodes) {
 }
 
 /// K x of the exact tangent.
-NodeVectors tangent_times(System& system, const State& state, const NodeVectors& x) {
-  system.evaluate_with_tangent(state, Tangent::exact);
+NodeVectors tangent_times(const System& system, const State& state, const NodeVectors& x) {
+  NewtonMatrix tangent(system);
+  tangent.evaluate(state);
   NodeVectors product;
-  system.tangent().multiply(x, product);
+  tangent.matrix().multiply(x, product);
   return product;
 }
 
@@ -43,13 +46,12 @@ double tangent_scale(const NodeVectors& r, const NodeVectors& x) {
 }
 
 /// The change of the whole force along x.
-Difference<NodeVectors> change_of_force(System& system, State state, const NodeVectors& x) {
+Difference<NodeVectors> change_of_force(const System& system, State state, const NodeVectors& x) {
   const NodeVectors r = state.r;
   const double scale = tangent_scale(r, x);
   const auto force_at = [&](double s) {
     state.r = r + s * x;
-    system.evaluate(state);
-    return NodeVectors(system.force());
+    return system.evaluator().force(state);
   };
   return difference_of(force_at, 1e-4 * scale, 1e-8 * scale);
 }
@@ -69,16 +71,16 @@ State disturbed(const NodeVectors& rest, double strain) {
   return state;
 }
 
-double gradient_error(System& system, std::size_t term, State state) {
+double gradient_error(const System& system, std::size_t term, State state) {
   constexpr double h = 1e-5;
-  const NodeVectors force = system.internal_force(term, state);
+  const NodeVectors force = system.terms().internal_force(term, state);
   NodeVectors difference(force.rows(), 3);
   for (Index a = 0; a < force.rows(); ++a)
     for (int c = 0; c < 3; ++c) {
       const double r = state.r(a, c);
       const auto energy_at = [&](double x) {
         state.r(a, c) = x;
-        return system.energy(term, state);
+        return system.terms().energy(term, state);
       };
       difference(a, c) = -(8 * (energy_at(r + h) - energy_at(r - h)) -
                            (energy_at(r + 2 * h) - energy_at(r - 2 * h))) /
@@ -88,22 +90,22 @@ double gradient_error(System& system, std::size_t term, State state) {
   return ratio((force - difference).norm(), force.norm());
 }
 
-double lagged_error(System& system, std::size_t term, const State& state) {
-  const NodeVectors force = system.internal_force(term, state);
-  const auto [k, c] = system.lagged_force(term, state);
+double lagged_error(const System& system, std::size_t term, const State& state) {
+  const NodeVectors force = system.terms().internal_force(term, state);
+  const auto [k, c] = system.terms().lagged_force(term, state);
   return ratio((force - (c - dense(k) * state.r)).norm(), force.norm());
 }
 
-double gradient_resolution(System& system, std::size_t term, State state) {
+double gradient_resolution(const System& system, std::size_t term, State state) {
   constexpr double h = 1e-5, spacing = 1e-9;
   const NodeVectors r = state.r, x = random_directions(r.rows());
   const auto energy_at = [&](double s) {
     state.r = r + s * x;
-    return Eigen::Matrix<double, 1, 1>(system.energy(term, state));
+    return Eigen::Matrix<double, 1, 1>(system.terms().energy(term, state));
   };
   const auto force_at = [&](double s) {
     state.r = r + s * x;
-    return system.internal_force(term, state);
+    return system.terms().internal_force(term, state);
   };
   // Of each component of the gradient: those of the derivative along x, which moves all at once,
   // are of the same kind.
@@ -112,14 +114,14 @@ double gradient_resolution(System& system, std::size_t term, State state) {
   return ratio(rounding + noise_of(force_at, spacing), force_at(0).norm());
 }
 
-double tangent_error(System& system, State state) {
+double tangent_error(const System& system, State state) {
   const NodeVectors x = random_directions(state.r.rows());
   const NodeVectors product = tangent_times(system, state, x);
   const auto found = change_of_force(system, state, x);
   return ratio((product + found.derivative).norm(), product.norm());
 }
 
-double tangent_resolution(System& system, State state) {
+double tangent_resolution(const System& system, State state) {
   const NodeVectors r = state.r, x = random_directions(r.rows());
   const double open = change_of_force(system, state, x).error;
   const auto product_at = [&](double s) {
@@ -130,14 +132,15 @@ double tangent_resolution(System& system, State state) {
   return ratio(open + rounding, product_at(0).norm());
 }
 
-double tangent_indefiniteness(System& system, const State& state, Tangent kind) {
-  system.evaluate_with_tangent(state, kind);
+double tangent_indefiniteness(const System& system, const State& state, Tangent kind) {
+  NewtonMatrix tangent(system);
+  tangent.evaluate(state, {.kind = kind});
   const Index n = 3 * system.nodes();
   Eigen::MatrixXd full(n, n);
   NodeVectors x = NodeVectors::Zero(system.nodes(), 3), y;
   for (Index j = 0; j < n; ++j) {
     x(j / 3, j % 3) = 1;
-    system.tangent().multiply(x, y);
+    tangent.matrix().multiply(x, y);
     for (Index i = 0; i < n; ++i) full(i, j) = y(i / 3, i % 3);
     x(j / 3, j % 3) = 0;
   }

@@ -53,7 +53,7 @@ MatrixXd right_hand_sides(Index n) {
 }
 
 MatrixXd solution(LinearSolver& solver, const MatrixXd& a, Checks& checks) {
-  const std::string why_not = solver.factor(sparse(a));
+  const std::string why_not = solver.factor(sparse(a)).reason;
   checks.holds("factorises regular matrices that suit it", why_not.empty(), why_not);
   MatrixXd x = MatrixXd::Zero(a.rows(), 3);
   if (why_not.empty()) solver.solve(right_hand_sides(a.rows()), x);
@@ -69,7 +69,7 @@ MatrixTraits traits_of(Index n, bool symmetric, std::span<const std::int32_t> no
 /// latter would be left as they are.
 void check_improvement(LinearSolver& solver, const MatrixXd& a, const MatrixXd& x, Checks& checks) {
   constexpr double kTolerance = 1e-6;
-  if (!solver.factor(sparse(a)).empty()) return;
+  if (!solver.factor(sparse(a)).reason.empty()) return;
   const MatrixXd b = right_hand_sides(a.rows());
   for (const double distance : {1e-2, 1e-7}) {
     const MatrixXd guess = x + distance * x.cwiseAbs().maxCoeff() * b;
@@ -185,7 +185,7 @@ void report_singular(LinearSolver& solver, bool symmetric, Checks& checks) {
       if (i == 17 || pattern.column[static_cast<std::size_t>(p)] == 17)
         singular.value[static_cast<std::size_t>(p)] = 0;
   solver.analyse(pattern, traits_of(30, symmetric));
-  const std::string why = solver.factor(singular);
+  const std::string why = solver.factor(singular).reason;
   checks.report("on a singular matrix", why.empty() ? "says nothing" : "says: " + why);
 }
 

@@ -9,7 +9,7 @@
 
 #include "plugin/boundary.h"
 #include "plugin/plugin_call.h"
-#include "solve/no_solver.h"
+#include "solve/matrix/no_solver.h"
 #include "solve/not_finite.h"
 
 namespace deform {

@@ -21,7 +21,7 @@ double internal(const Frame& frame) {
   const auto& terms = frame.system.energies();
   double sum = 0;
   for (std::size_t i = 0; i < terms.size(); ++i)
-    if (has_potential(terms[i])) sum += frame.system.energy(i, frame.state);
+    if (has_potential(terms[i])) sum += frame.system.terms().energy(i, frame.state);
   return sum;
 }
 
@@ -53,7 +53,8 @@ void each_vector(Of& at, const Action& action) {
 double EnergyFigures::scale() const { return turnover + largest_kinetic + std::abs(change); }
 
 struct EnergyAccount::Impl {
-  explicit Impl(const System& system) : nodes(system.nodes()), reduction(system.reduction()) {
+  explicit Impl(const System& system)
+      : nodes(system.nodes()), reduction(system.constraints().reduction()) {
     for (int c = 0; c < 3; ++c)
       for (Index a = 0; a < nodes; ++a)
         any_prescribed = any_prescribed || reduction.reduction().prescribed(a, c);
@@ -75,12 +76,12 @@ struct EnergyAccount::Impl {
 };
 
 Instant EnergyAccount::Impl::instant(const Frame& frame, NodeVectors load) const {
-  System& system = frame.system;
+  const System& system = frame.system;
   Instant m{frame.state.r, frame.state.v, std::move(load), NodeVectors::Zero(nodes, 3),
-            system.damping_force(frame.state)};
+            system.evaluator().damping_force(frame.state)};
   if (!any_prescribed) return m;  // only the reaction of constraints asks for it
   for (std::size_t i = 0; i < system.energies().size(); ++i)
-    m.internal += system.internal_force(i, frame.state);
+    m.internal += system.terms().internal_force(i, frame.state);
   return m;
 }
 

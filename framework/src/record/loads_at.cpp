@@ -16,14 +16,14 @@ LoadsAt loads_at(const Frame& frame, double length) {
   const double rounding =
       kRounding * length + 16 * std::numeric_limits<double>::epsilon() * std::abs(time);
   if (!(frame.system.next_break(time - rounding) <= time + rounding)) {
-    NodeVectors load = frame.system.external_force(frame.state);
+    NodeVectors load = frame.system.terms().external_force(frame.state);
     return {.before = load, .after = std::move(load)};
   }
   State beside = frame.state;
   beside.time = time - 2 * rounding;
-  NodeVectors before = frame.system.external_force(beside);
+  NodeVectors before = frame.system.terms().external_force(beside);
   beside.time = time + 2 * rounding;
-  return {.before = std::move(before), .after = frame.system.external_force(beside)};
+  return {.before = std::move(before), .after = frame.system.terms().external_force(beside)};
 }
 
 }  // namespace deform

@@ -75,10 +75,11 @@ const std::vector<std::vector<float>>& NodeFields::evaluate(const Frame& frame) 
     ++next;
   };
   if (curved_ != nullptr) {
-    for (const Pair ij : kPairs) put(frame.system.geometry(*curved_).all().B(ij));
+    const auto curved = frame.geometry(*curved_);
+    for (const Pair ij : kPairs) put(curved->all().B(ij));
   }
   for (const JetTermUse& use : terms_) {
-    put(at_nodes(*use.samples, frame.system.energy_density(use.number)));
+    put(at_nodes(*use.samples, frame.system.terms().energy_density(use.number, frame.state.r)));
     if (!has_normals(use)) continue;
     add_angles(use, frame, *next++);
     if (has_branches(use)) add_branches(use, frame, *next++);
@@ -90,10 +91,12 @@ const std::vector<std::vector<float>>& NodeFields::evaluate(const Frame& frame) 
 /// previous state on the present jets, as the step had them; none at first, where there is no
 /// previous state.
 void NodeFields::add_angles(const JetTermUse& use, const Frame& frame, std::vector<float>& values) {
-  const Geometry& now = frame.system.geometry(*use.samples);
+  const auto geometry = frame.geometry(*use.samples);
+  const Geometry& now = *geometry;
   values.assign(static_cast<std::size_t>(now.size()), std::numeric_limits<float>::quiet_NaN());
   if (frame.step == 0) return;
-  const Geometry& lagged = frame.system.previous_geometry(*use.samples);
+  const auto previous = frame.previous_geometry(*use.samples);
+  const Geometry& lagged = *previous;
   const ConstVectors n = now.all().n();
   for (const Pair ij : kPairs) {
     estimate_normals(use, lagged, now, ij, estimates_);
@@ -108,7 +111,8 @@ void NodeFields::add_angles(const JetTermUse& use, const Frame& frame, std::vect
 /// The branch of the pair whose second derivative exists and whose branch has the highest number.
 void NodeFields::add_branches(const JetTermUse& use, const Frame& frame,
                               std::vector<float>& values) {
-  const Geometry& now = frame.system.geometry(*use.samples);
+  const auto geometry = frame.geometry(*use.samples);
+  const Geometry& now = *geometry;
   values.assign(static_cast<std::size_t>(now.size()), std::numeric_limits<float>::quiet_NaN());
   std::array<std::uint8_t, kBlock> branch{};
   for (Index first = 0; first < now.size(); first += kBlock) {

@@ -29,7 +29,7 @@ bool knows_energy(const System& system, const Named<Integrator>& integrator) {
 double kinetic_and_internal(const Frame& frame) {
   double sum = 0.5 * frame.system.mass().dot(frame.state.v.rowwise().squaredNorm());
   for (std::size_t i = 0; i < frame.system.energies().size(); ++i)
-    sum += frame.system.energy(i, frame.state);
+    sum += frame.system.terms().energy(i, frame.state);
   return sum;
 }
 
@@ -42,11 +42,11 @@ double energy_of_rounding(const Frame& frame) {
 /// Whether loads, supports, bodies and materials are at two times the same, as far as this state
 /// shows.
 bool is_unchanged(const Frame& frame, double earlier) {
-  System& system = frame.system;
+  const System& system = frame.system;
   if (system.next_break(earlier) <= frame.state.time) return false;
   NodeVectors now = frame.state.r, then = frame.state.r;
-  system.prescribe(frame.state.time, now);
-  system.prescribe(earlier, then);
+  system.constraints().prescribe(frame.state.time, now);
+  system.constraints().prescribe(earlier, then);
   if (now != then) return false;
   State at_earlier = frame.state;
   at_earlier.time = earlier;
@@ -54,18 +54,21 @@ bool is_unchanged(const Frame& frame, double earlier) {
     return std::abs(a - b) <= kRounding * (std::abs(a) + std::abs(b));
   };
   for (std::size_t i = 0; i < system.energies().size(); ++i)
-    if (!is_same(system.energy(i, at_earlier), system.energy(i, frame.state))) return false;
-  if (system.colliders() > 0 &&
-      system.clearance(earlier, frame.state.r) != system.clearance(frame.state.time, frame.state.r))
+    if (!is_same(system.terms().energy(i, at_earlier), system.terms().energy(i, frame.state)))
+      return false;
+  if (system.contact().bodies() > 0 &&
+      system.contact().clearance(earlier, frame.state.r) !=
+          system.contact().clearance(frame.state.time, frame.state.r))
     return false;
-  return is_same(system.external_potential(at_earlier), system.external_potential(frame.state));
+  return is_same(system.terms().external_potential(at_earlier),
+                 system.terms().external_potential(frame.state));
 }
 
 }  // namespace
 
 EnergyGuard::EnergyGuard(const System& system, const Named<Integrator>& integrator)
     : account_(system), is_known_(knows_energy(system, integrator)) {
-  is_conservative_ = is_known_ && system.without_potential().empty();
+  is_conservative_ = is_known_ && system.evaluator().without_potential().empty();
 }
 
 bool EnergyGuard::watches(long steps) const { return is_known_ && !warned_ && is_guarded(steps); }
@@ -110,7 +113,7 @@ bool EnergyGuard::gains() const {
 void EnergyGuard::compare_with_first(const Frame& frame) {
   if (warned_ || !is_conservative_) return;
   const double energy = kinetic_and_internal(frame);
-  const double potential = frame.system.external_potential(frame.state);
+  const double potential = frame.system.terms().external_potential(frame.state);
   if (!first_) {
     first_ = {energy, potential, frame.state.time};
     return;

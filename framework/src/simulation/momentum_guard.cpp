@@ -19,11 +19,11 @@ constexpr double kMost = 0.1;
 constexpr double kLeft = 1e-4;
 
 bool has_own_impulses(const System& system) {
-  const Reduction& reduction = system.reduction();
+  const Reduction& reduction = system.constraints().reduction();
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < system.nodes(); ++a)
       if (!reduction.free(a, c)) return true;
-  return system.colliders() > 0;
+  return system.contact().bodies() > 0;
 }
 
 Vec3 momentum(const System& system, const NodeVectors& v) { return v.transpose() * system.mass(); }
@@ -40,7 +40,7 @@ MomentumGuard::MomentumGuard(const System& system, const Named<Integrator>& inte
 bool MomentumGuard::watches(long steps) const { return is_known_ && !warned_ && is_guarded(steps); }
 
 MomentumGuard::Sum MomentumGuard::sum(const Frame& frame, NodeVectors loads) {
-  loads += frame.system.damping_force(frame.state);
+  loads += frame.system.evaluator().damping_force(frame.state);
   return {.vector = loads.colwise().sum().transpose(), .sizes = loads.rowwise().norm().sum()};
 }
 
@@ -50,7 +50,7 @@ bool MomentumGuard::has_internal_net_force(const Frame& frame) {
   State moved = frame.state;
   moved.r.rowwise() += Eigen::RowVector3d(0.3, 0.5, 0.7) * characteristic_length(moved.r);
   for (std::size_t i = 0; i < frame.system.energies().size(); ++i) {
-    const NodeVectors f = frame.system.internal_force(i, moved);
+    const NodeVectors f = frame.system.terms().internal_force(i, moved);
     if (f.colwise().sum().norm() > kTolerance * f.rowwise().norm().sum()) return true;
   }
   return false;

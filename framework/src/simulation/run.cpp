@@ -286,7 +286,7 @@ RunResult Recording::execute() {
   last_note_.emplace(folder_ / kManifestFile, before, after);
   try {
     write_atomically(folder_ / "scene.json", scene_text(scene_, folder_));
-    for (const std::string& note : parts_.simulation->system().notes()) log::info(note);
+    for (const std::string& note : parts_.simulation->system().terms().notes()) log::info(note);
     watched(Doing::beginning, [this] { start(); });
     const Profile::Active active(profile_ ? &*profile_ : nullptr);
     const Span span("run");

@@ -131,7 +131,7 @@ std::vector<ProbeColumn> ShadowProbe::columns() const {
 void ShadowProbe::measure(const Frame& frame, Values figures) {
   std::ranges::fill(figures, kNoFigure);
   for (const Driver& driver : drivers_) {
-    if (frame.step > 0) measure_angles(driver, frame.system, figures);  // else no previous state
+    if (frame.step > 0) measure_angles(driver, frame, figures);  // else no previous state
     measure_forces(driver, frame.state, figures);
   }
 }
@@ -141,12 +141,13 @@ const JetTermUse* ShadowProbe::estimating(std::size_t number) const {
   return found == estimating_.end() ? nullptr : &*found;
 }
 
-void ShadowProbe::measure_angles(const Driver& driver, const System& run, Values figures) {
+void ShadowProbe::measure_angles(const Driver& driver, const Frame& frame, Values figures) {
   const JetTermUse* const own = estimating(driver.number);
   if (own == nullptr) return;
   std::vector<Angles> angles(driver.shadows.size());
+  const auto lagged = frame.previous_geometry(*own->samples), now = frame.geometry(*own->samples);
   for (const Pair ij : kPairs) {
-    const Estimation at{run.previous_geometry(*own->samples), run.geometry(*own->samples), ij};
+    const Estimation at{*lagged, *now, ij};
     estimate_normals(*own, at.lagged, at.now, ij, driver_normals_);
     for (std::size_t i = 0; i < driver.shadows.size(); ++i) {
       const Shadow& shadow = shadows_[driver.shadows[i]];
@@ -175,12 +176,12 @@ void ShadowProbe::add_angles(const Shadow& shadow, const JetTermUse& term, const
 }
 
 void ShadowProbe::measure_forces(const Driver& driver, const State& state, Values figures) {
-  const NodeVectors own = system_->internal_force(driver.number, state);
+  const NodeVectors own = system_->terms().internal_force(driver.number, state);
   const double own_rms = rms(lengths(own));
   for (const std::size_t i : driver.shadows) {
     const Shadow& shadow = shadows_[i];
     const NodeVectors force = as_shadow(
-        shadow.term.origin, [&] { return system_->internal_force(shadow.number, state); });
+        shadow.term.origin, [&] { return system_->terms().internal_force(shadow.number, state); });
     const NodeValues difference = lengths(force - own);
     const Values own_figures = figures.subspan(i * kFigures.size(), kFigures.size());
     own_figures[force_rms] = rms(difference);

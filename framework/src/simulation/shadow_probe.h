@@ -51,7 +51,7 @@ class ShadowProbe final : public Probe {
   };
 
   [[nodiscard]] const JetTermUse* estimating(std::size_t number) const;
-  void measure_angles(const Driver& driver, const System& run, Values figures);
+  void measure_angles(const Driver& driver, const Frame& frame, Values figures);
   void add_angles(const Shadow& shadow, const JetTermUse& term, const Estimation& at,
                   Angles& angles);
   void measure_forces(const Driver& driver, const State& state, Values figures);

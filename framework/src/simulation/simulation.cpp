@@ -14,6 +14,7 @@
 #include "deform/error.h"
 #include "deform/geometry/characteristic_length.h"
 #include "deform/log.h"
+#include "deform/solve/lagged_matrix.h"
 
 #include "plugin/guard.h"
 #include "profile/profile.h"
@@ -116,7 +117,7 @@ struct Simulation::Impl {
   [[nodiscard]] std::vector<Body> make_bodies(PartMaker& maker, const Setup& setup) const;
   [[nodiscard]] std::function<std::vector<Named<LinearSolver>>()> solver_factory(
       PartMaker& maker, const std::shared_ptr<Surface>& surface);
-  void check_solver(const SolverQueue::MakeSolvers& make_solvers);
+  void check_solver(const MakeSolvers& make_solvers);
   void measure_rest();
   void set_initial_state();
   void advance_by_parts(const AtBreak& at_break);
@@ -128,6 +129,7 @@ struct Simulation::Impl {
   void check_state();
   [[noreturn]] void throw_not_finite();
   [[noreturn]] void throw_out_of_bounds(Index node);
+  [[nodiscard]] Index node_of_largest_force();
   [[nodiscard]] std::string guilty_term(Index node);
   void restore();
 
@@ -236,12 +238,12 @@ std::vector<Body> Simulation::Impl::make_bodies(PartMaker& maker, const Setup& s
 
 /// Whether the solver that the scene names takes the matrix is a question of the scene: it is asked
 /// now, not within the first step.
-void Simulation::Impl::check_solver(const SolverQueue::MakeSolvers& make_solvers) {
+void Simulation::Impl::check_solver(const MakeSolvers& make_solvers) {
   if (asked(integrator, [](const Integrator& i) { return i.solves(); }) !=
       Integrator::Solves::lagged)
     return require_solver(scene, *registry, *system, integrator, make_solvers);
   try {
-    system->choose_solver();
+    LaggedMatrix(*system).choose_solver();
   } catch (const InputError& e) {
     throw InputError({{"/solver", "at /solver: " + std::string(e.what())}});
   }
@@ -274,8 +276,8 @@ void Simulation::Impl::measure_rest() {
 void Simulation::Impl::set_initial_state() {
   const Surface& surface = system->surface();
   state.r = mirrored ? reflected(surface.initial()) : surface.initial();
-  system->prescribe(0.0, state.r);
-  system->require_outside_of_colliders(state.r, 1e-6 * size);
+  system->constraints().prescribe(0.0, state.r);
+  system->contact().require_outside(state.r, 1e-6 * size);
 
   // The scene speaks of the unmirrored world, whose spin is not turned round but reflected.
   const auto into_this_world = [this](const NodeVectors& v) { return mirrored ? reflected(v) : v; };
@@ -283,14 +285,14 @@ void Simulation::Impl::set_initial_state() {
       velocities_at_first(scene.velocity, surface, system->mass(), into_this_world(state.r)));
   state.v = NodeVectors::Zero(state.r.rows(), 3);
   for (int c = 0; c < 3; ++c) {
-    for (const Index node : system->reduction().free_nodes(c)) {
+    for (const Index node : system->constraints().reduction().free_nodes(c)) {
       state.v(node, c) = velocity(node, c);
     }
   }
-  system->follow_ties_of_velocity(state.v);
+  system->constraints().follow_ties_of_velocity(state.v);
   require_finite_energy(state.v, system->mass());
   before = earlier = state;
-  system->begin_step(state);
+  system->begin_step();
 }
 
 /// From one time at which the model is not smooth to the next.
@@ -322,9 +324,9 @@ void Simulation::Impl::report_parts(long parts, double shortest, double longest)
 }
 
 void Simulation::Impl::advance_smoothly(double step) {
-  const bool collides = system->colliders() > 0 && !asked(integrator, [](const Integrator& i) {
-                          return i.resolves_contacts();
-                        });
+  const bool collides =
+      system->contact().bodies() > 0 &&
+      !asked(integrator, [](const Integrator& i) { return i.resolves_contacts(); });
   const NodeVectors begin = collides ? state.r : NodeVectors();
   advance(step);
   check_state();
@@ -343,8 +345,7 @@ void Simulation::Impl::advance(double step) {
   } catch (const Error& e) {
     if (e.code() != ExitCode::diverged) throw;
     // The System knows no steps. No solver could: the largest force is what spoiled the matrix.
-    Index node = 0;
-    system->force().rowwise().squaredNorm().maxCoeff(&node);
+    const Index node = node_of_largest_force();
     throw Diverged(e.what(), steps + 1, node, guilty_term(node));
   }
 }
@@ -352,7 +353,7 @@ void Simulation::Impl::advance(double step) {
 void Simulation::Impl::collide(const NodeVectors& begin, double step) {
   const Span span("collision");
   try {
-    system->collide(begin, step, state);
+    system->contact().resolve(begin, step, state);
   } catch (const NotFinite& e) {
     throw e.at_step(steps + 1, "colliders");
   }
@@ -392,9 +393,20 @@ void Simulation::Impl::throw_out_of_bounds(Index node) {
       steps + 1, node, guilty_term(node));
 }
 
+/// Where the step began.
+Index Simulation::Impl::node_of_largest_force() {
+  Index node = 0;
+  try {
+    system->evaluator().force(before).rowwise().squaredNorm().maxCoeff(&node);
+  } catch (const Error&) {
+    // The divergence is what the user must hear of.
+  }
+  return node;
+}
+
 std::string Simulation::Impl::guilty_term(Index node) {
   try {
-    return system->largest_force_at(node, before);
+    return system->terms().largest_force_at(node, before);
   } catch (const NotFinite& e) {
     return e.part();
   } catch (const std::exception&) {
@@ -405,8 +417,7 @@ std::string Simulation::Impl::guilty_term(Index node) {
 void Simulation::Impl::restore() {
   state = before;
   before = earlier;
-  system->begin_step(before);
-  system->update_geometry(state);
+  system->begin_step();
 }
 
 Simulation::Simulation(Scene scene, std::shared_ptr<const PluginRegistry> registry, bool mirrored)
@@ -419,7 +430,7 @@ void Simulation::step(const AtBreak& at_break) {
   Impl& s = *impl_;
   std::swap(s.earlier, s.before);
   s.before = s.state;
-  s.system->begin_step(s.state);
+  s.system->begin_step();
   try {
     s.advance_by_parts(at_break);
   } catch (...) {
@@ -443,10 +454,7 @@ long Simulation::steps() const { return impl_->steps; }
 double Simulation::size() const { return impl_->size; }
 std::shared_ptr<const PluginRegistry> Simulation::registry() const { return impl_->registry; }
 
-Frame Simulation::Impl::frame(double step) {
-  system->update_geometry(state);
-  return {steps, step, state, *system};
-}
+Frame Simulation::Impl::frame(double step) { return {steps, step, state, before.r, *system}; }
 
 Frame Simulation::frame() { return impl_->frame(impl_->scene.step); }
 
@@ -483,8 +491,7 @@ void Simulation::load(const Memory& memory) {
   for (const Keeper& keeper : s.keepers) {
     load_plugin(*keeper.object, keeper.origin, keeper.section, memory);
   }
-  s.system->begin_step(s.before);
-  s.system->update_geometry(s.state);
+  s.system->begin_step();
   load_report(s.system->step_report(), memory);
 }
 

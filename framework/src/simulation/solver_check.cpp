@@ -28,7 +28,8 @@ struct Wanted {
 /// Where all has a potential with a tangent the matrix is symmetric, else a Jacobian.
 bool is_symmetric(const System& system, bool with_loads) {
   if (!with_loads) return have_potential(system);
-  return system.without_potential().empty() && system.without_tangent().empty();
+  return system.evaluator().without_potential().empty() &&
+         system.evaluator().without_tangent().empty();
 }
 
 bool solves_nothing(const Named<Integrator>& integrator) {
@@ -37,7 +38,7 @@ bool solves_nothing(const Named<Integrator>& integrator) {
 }
 
 Wanted wanted_by(const Named<Integrator>& integrator, const System& system) {
-  const bool has_ties = !system.reduction().ties().empty();
+  const bool has_ties = !system.constraints().reduction().ties().empty();
   const bool is_static = deform::is_static(integrator);
   Wanted wanted;
   wanted.traits = {.size = 3 * system.nodes(), .symmetric = true, .positive_definite = true};
@@ -93,8 +94,8 @@ std::vector<std::string> others_that_take(const Wanted& wanted, const Scene& sce
 
 void require_solver(const Scene& scene, const PluginRegistry& registry, const System& system,
                     const Named<Integrator>& integrator,
-                    const SolverQueue::MakeSolvers& make_solvers) {
-  if (solves_nothing(integrator) && system.reduction().ties().empty()) return;
+                    const MakeSolvers& make_solvers) {
+  if (solves_nothing(integrator) && system.constraints().reduction().ties().empty()) return;
   const Wanted wanted = wanted_by(integrator, system);
   const std::vector<Named<LinearSolver>> solvers = make_solvers();
   const bool any = std::ranges::any_of(

@@ -5,7 +5,7 @@
 #include "deform/simulation/scene.h"
 #include "deform/solve/integrator.h"
 
-#include "solve/solver_queue.h"
+#include "solve/matrix/solver_queue.h"
 
 namespace deform {
 
@@ -13,6 +13,6 @@ namespace deform {
 /// `make_solvers` gives none that does; the matrix is that of `integrator` (Integrator::solves).
 void require_solver(const Scene& scene, const PluginRegistry& registry, const System& system,
                     const Named<Integrator>& integrator,
-                    const SolverQueue::MakeSolvers& make_solvers);
+                    const MakeSolvers& make_solvers);
 
 }  // namespace deform

@@ -24,7 +24,7 @@ template <class Interface, class Ask>
 
 /// Whether all terms have one.
 [[nodiscard]] inline bool have_potential(const System& system) {
-  return std::ranges::all_of(system.energies(), has_potential);
+  return system.evaluator().energies_have_potential();
 }
 
 [[nodiscard]] inline bool is_static(const Named<Integrator>& integrator) {

@@ -58,7 +58,7 @@ class Multigrid final : public LinearSolver, public BlockSolver {
         static_cast<double>(a.column.size()) > kOfMembranes * static_cast<double>(a.size);
     scalar_.emplace(a, traits.nodes, total_, is_bending ? smooth_coarsening_ : coarsening_);
   }
-  [[nodiscard]] std::string factor(const SparseMatrix& a) override {
+  [[nodiscard]] Factorisation factor(const SparseMatrix& a) override {
     scalar_->factor(a);
     return "";
   }

@@ -13,13 +13,15 @@ namespace deform {
 [[nodiscard]] DEFORM_API State disturbed(const NodeVectors& rest, double strain);
 
 /// |f + ∇E| / |f| of one term: its force against fourth-order differences of its energy.
-[[nodiscard]] DEFORM_API double gradient_error(System& system, std::size_t term, State state);
+[[nodiscard]] DEFORM_API double gradient_error(const System& system, std::size_t term, State state);
 /// How much of that may be the error of the differences, of those that a force without `stress` is
 /// made by, and rounding: estimated, relative to |f|.
-[[nodiscard]] DEFORM_API double gradient_resolution(System& system, std::size_t term, State state);
+[[nodiscard]] DEFORM_API double gradient_resolution(const System& system, std::size_t term,
+                                                    State state);
 
 /// |f − (c − K r)| / |f| of one term's lagged operator, at the state that it is lagged at.
-[[nodiscard]] DEFORM_API double lagged_error(System& system, std::size_t term, const State& state);
+[[nodiscard]] DEFORM_API double lagged_error(const System& system, std::size_t term,
+                                             const State& state);
 
 /// |Σ f| / Σ |f| and |Σ r×f| / Σ |r||f| about the centroid; 0 where there is no force.
 struct Momenta {
@@ -29,12 +31,12 @@ struct Momenta {
 
 /// |K x + ∂f/∂r x| / |K x| of the exact tangent and a random x: against fourth-order differences of
 /// the whole force.
-[[nodiscard]] DEFORM_API double tangent_error(System& system, State state);
+[[nodiscard]] DEFORM_API double tangent_error(const System& system, State state);
 /// How much of that may be the error of the differences, of those that a tangent without `tangent`
 /// or `stress` is made by, and rounding: estimated, relative to |K x|.
-[[nodiscard]] DEFORM_API double tangent_resolution(System& system, State state);
+[[nodiscard]] DEFORM_API double tangent_resolution(const System& system, State state);
 /// −(smallest eigenvalue) / (largest) of a tangent. Dense: for small surfaces.
-[[nodiscard]] DEFORM_API double tangent_indefiniteness(System& system, const State& state,
+[[nodiscard]] DEFORM_API double tangent_indefiniteness(const System& system, const State& state,
                                                        Tangent kind);
 
 /// |K − Kᵀ| / |K|.

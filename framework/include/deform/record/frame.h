@@ -14,7 +14,16 @@ struct Frame {
   long step = 0;
   double step_size = 0;  ///< [s]
   const State& state;
-  System& system;  ///< geometry is up to date; the previous state's is still there
+  const NodeVectors& previous_r;  ///< (N × 3) positions at which the last step began [m]
+  const System& system;
+
+  /// All geometry at the samples of a set, now and where the last step began.
+  [[nodiscard]] std::shared_ptr<const Geometry> geometry(const SampleSet& samples) const {
+    return system.terms().geometry(state.r, samples);
+  }
+  [[nodiscard]] std::shared_ptr<const Geometry> previous_geometry(const SampleSet& samples) const {
+    return system.terms().geometry(previous_r, samples);
+  }
 };
 
 /// A simulation that runs beside the one that is recorded, e.g. its mirror image.
@@ -32,7 +41,7 @@ class DEFORM_API CompanionRun {
 struct RunContext {
   std::filesystem::path folder;  ///< of the run; outputs write below it
   std::string title;
-  System& system;
+  const System& system;
   /// Makes the same simulation mirrored at z = 0, at its initial state.
   std::function<std::unique_ptr<CompanionRun>()> mirrored;
   /// The run goes on from the checkpoint at this step: what was written of earlier ones is there

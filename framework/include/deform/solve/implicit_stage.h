@@ -32,7 +32,7 @@ struct Stage {
   /// of v at r.
   bool by_strains = false;
   /// Whether energies are of the mean strains of a step from `start`, of which the stage is the
-  /// middle (System::average_strains_from).
+  /// middle (StepStrains::average_from).
   bool averages_strains = false;
   double s = 0;
   NodeVectors earlier{};
@@ -40,7 +40,7 @@ struct Stage {
 
 /// How a stage is solved.
 struct StageSettings {
-  double tolerance = 1e-6;       ///< of what is left over, relative to the forces at work
+  double tolerance = 1e-6;       ///< of the residual, relative to the forces at work
   std::int64_t iterations = 50;  ///< of Newton's method, at most
   /// Error that Newton's method may leave, root mean square over the mass, in sizes of the surface:
   /// where its corrections shrink fast, two or three are enough; 0: `tolerance` alone decides.
@@ -49,20 +49,16 @@ struct StageSettings {
 
 /// Solves stages one after another; remembers what the next may profit from.
 ///
-/// Energies with a potential: Newton's method on Φ, with the exact tangent while that is positive
-/// definite, else the projected one. Steps turn parts of the surface by finite angles
-/// (System::turn); at first Φ need not fall at each, then a line search sees to it that it does.
-/// Forces without a potential (drag, damping of materials, followers) count by their work on the
-/// way, with the symmetric part of their tangent; where that converges slowly close to a solution,
-/// with the Jacobian of all forces. Colliders act by an augmented Lagrangian: normal forces and
-/// friction (Coulomb's law, sticking included) are multipliers that are updated until they hold.
+/// Energies with a potential: Newton's method (Newton) on Φ, with the exact tangent while that is
+/// positive definite, else the projected one, along paths that rotate parts of the surface by
+/// finite angles (Path). Forces without a potential (drag, damping of materials, followers) count
+/// by their work on the way, with the symmetric part of their tangent; where that converges slowly
+/// close to a solution, with the Jacobian of all forces. Colliders act by an augmented Lagrangian:
+/// normal forces and friction (Coulomb's law, sticking included) are multipliers that are updated
+/// until they hold.
 ///
-/// With `newton_error`, and without colliders, it first tries to do without Φ: straight steps,
-/// whose lengths ‖Δ_k‖, or what is left over of the forces, must shrink by a factor of two at
-/// least, or the lengths to a quarter of the first's, until θ/(1 − θ) ‖Δ_k‖, θ = ‖Δ_k‖/‖Δ_k−1‖ (at
-/// the first that of earlier stages; at least what an iterative solver may leave), is below that
-/// error (Hairer & Wanner, IV.8; Deuflhard's natural monotonicity test), and forces are nearly
-/// balanced. The way with Φ may end so, too, where that falls.
+/// With `newton_error`, and without colliders, it first tries to do without Φ, by corrections alone
+/// that contract; the way with Φ may end so, too, where that falls.
 ///
 /// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
 /// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;
@@ -82,13 +78,14 @@ class DEFORM_API ImplicitStage {
   /// Whether a better guess than r + h v is worth while: `newton_error` is set.
   [[nodiscard]] bool counts_corrections() const;
 
-  /// Nodes that colliders pushed in the last solution, ascending; one that two push is there twice.
-  [[nodiscard]] std::vector<Index> touching() const;
+  /// Nodes in active contact in the last solution, ascending; one that two colliders push is there
+  /// twice.
+  [[nodiscard]] std::vector<Index> active_contacts() const;
   /// Makes velocities at the end of a step whose stage was solved those that contact leaves: as
   /// formulas of several points in time have them, what was stopped within the step would go on, or
   /// back.
   void settle(const System& system, const Stage& stage, double step, State& end) const;
-  /// False where colliders are left to System::collide.
+  /// False where colliders are left to ColliderContact::resolve.
   [[nodiscard]] bool resolves_contacts() const;
 
   /// Contact forces that the next solution starts from.

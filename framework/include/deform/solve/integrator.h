@@ -23,19 +23,19 @@ class DEFORM_API Integrator : public Plugin {
   virtual void restart() {}
   /// Whether it looks for equilibria, so that inertia has no say: nothing falls or swings.
   [[nodiscard]] virtual bool is_static() const { return false; }
-  /// What it has the System solve, so that a solver which a scene names and that cannot is refused
+  /// What it solves, so that a solver which a scene names and that cannot is refused
   /// before anything is written.
   enum class Solves : std::uint8_t {
-    nothing,   ///< it is explicit: System::accelerate at most
-    lagged,    ///< System::solve
-    tangents,  ///< System::factor_tangent, solve_tangent_to or factor_jacobian
+    nothing,   ///< it is explicit: MassMatrix::accelerate at most
+    lagged,    ///< LaggedMatrix::solve
+    tangents,  ///< NewtonMatrix, ForceJacobian
   };
   [[nodiscard]] virtual Solves solves() const { return Solves::lagged; }
   /// Whether its steps end outside of colliders, friction included; else the framework calls
-  /// System::collide after each.
+  /// ColliderContact::resolve after each.
   [[nodiscard]] virtual bool resolves_contacts() const { return false; }
   /// Whether a step takes coefficients from the state at its start
-  /// (System::evaluate_with_operator), so that estimators of the normal differ by what the surface
+  /// (LaggedMatrix), so that estimators of the normal differ by what the surface
   /// moves in a step. Others evaluate forces at one state, coefficients and jets alike.
   [[nodiscard]] virtual bool lags_coefficients() const { return false; }
 };

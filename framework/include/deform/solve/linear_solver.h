@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "deform/plugin/descriptor.h"
@@ -13,6 +14,29 @@
 namespace deform {
 
 class BlockSolver;
+
+/// How a factorisation, or an iterative solve, ended.
+enum class Outcome : std::uint8_t {
+  solved,
+  indefinite,  ///< the matrix is not positive definite
+  unfinished,  ///< it cannot: too many iterations, no memory, …; another solver may
+};
+
+/// What came of a factorisation.
+struct Factorisation {
+  Outcome outcome = Outcome::solved;
+  std::string reason;  ///< why the solver cannot; empty where it can
+
+  Factorisation() = default;
+  Factorisation(Outcome o, std::string why) : outcome(o), reason(std::move(why)) {}
+  /// From "" or why it cannot, which another solver may.
+  Factorisation(std::string why)
+      : outcome(why.empty() ? Outcome::solved : Outcome::unfinished), reason(std::move(why)) {}
+  Factorisation(const char* why) : Factorisation(std::string(why)) {}
+  [[nodiscard]] static Factorisation not_positive_definite(std::string why) {
+    return {Outcome::indefinite, std::move(why)};
+  }
+};
 
 /// Contract: `analyse` once a pattern, then any number of `factor` and `solve`; the same input
 /// gives the same bits. Not thread-safe: one object a matrix.
@@ -29,9 +53,10 @@ class DEFORM_API LinearSolver : public Plugin {
   [[nodiscard]] virtual double suitability(const MatrixTraits& traits) const = 0;
   /// Looks at the pattern (and size) of A; values do not matter.
   virtual void analyse(const SparseMatrix& a, const MatrixTraits& traits) = 0;
-  /// Prepares to solve with the values of A. Returns "" or why it cannot (e.g. not positive
-  /// definite); the framework then tries another solver.
-  [[nodiscard]] virtual std::string factor(const SparseMatrix& a) = 0;
+  /// Prepares to solve with the values of A. Where it cannot, says why, and whether that is because
+  /// A is not positive definite, which Newton's method wants to know; else the framework tries
+  /// another solver.
+  [[nodiscard]] virtual Factorisation factor(const SparseMatrix& a) = 0;
   /// B to X (n × k, column-major, not the same memory). Error (diverged): it cannot, try another.
   virtual void solve(const Eigen::Ref<const Eigen::MatrixXd>& b, Eigen::Ref<Eigen::MatrixXd> x) = 0;
   /// The same from a guess X: its error, in a norm of the solver's choice, is made smaller to at
@@ -41,13 +66,6 @@ class DEFORM_API LinearSolver : public Plugin {
 
   /// This solver's way with matrices of blocks; null where it has none.
   [[nodiscard]] virtual BlockSolver* blocks() { return nullptr; }
-};
-
-/// How an iterative solve ended.
-enum class Outcome : std::uint8_t {
-  solved,
-  indefinite,  ///< the matrix is not positive definite
-  unfinished,  ///< too many iterations
 };
 
 /// Optional capability of a LinearSolver: solves to a tolerance with symmetric matrices of 3 × 3

@@ -1,0 +1,15 @@
+/// A state of motion.
+#pragma once
+
+#include "deform/types.h"
+
+namespace deform {
+
+/// Positions [m], velocities [m/s] (both N × 3), and time [s].
+struct State {
+  NodeVectors r;
+  NodeVectors v;
+  double time = 0;
+};
+
+}  // namespace deform

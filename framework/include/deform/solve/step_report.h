@@ -1,0 +1,29 @@
+/// What a step took: for logs, probes and the run's account of time.
+#pragma once
+
+#include <vector>
+
+namespace deform {
+
+/// What an iterative integrator's last step took.
+struct StepReport {
+  long iterations = 0;            ///< of Newton's method, all substeps together
+  long solver_iterations = 0;     ///< of the linear solver, where it is iterative
+  long substeps = 1;              ///< of time or of load
+  long rejected = 0;              ///< substeps that were tried and given up
+  double smallest = 0;            ///< shortest and longest substep [s]; 0 where there is none
+  double largest = 0;             ///<
+  double residual = 0;            ///< where the last substep ended, relative to the forces at work
+  std::vector<double> residuals;  ///< one an iteration of the last substep
+  /// Change of the incremental potential over the last substep [J]: never positive; not a number
+  /// where some force has no potential.
+  double potential_change = 0;
+};
+
+/// Seconds spent, by part of a step.
+struct StepTimes {
+  double geometry = 0, assembly = 0, factorisation = 0, solve = 0, output = 0;
+  long steps = 0;
+};
+
+}  // namespace deform

@@ -1,0 +1,351 @@
+#include "deform/solve/collider_contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deform/parallel.h"
+
+#include "plugin/guard.h"
+#include "solve/contact/contact_law.h"
+#include "solve/contact/contact_paths.h"
+#include "solve/not_finite.h"
+
+namespace deform {
+namespace {
+
+/// Out of one body a node may come into another one; in a corner of two it takes a few turns, and
+/// so it does where a node that is tied moves others.
+constexpr int kMostRounds = 8;
+/// A way this short, relative to coordinates, is rounding.
+constexpr double kNoWay = 1e-12;
+/// What begins behind a tangent plane by less than this part of its way begins on it.
+constexpr double kOnPlane = 1e-9;
+/// Cosine of the angle between normals of the same side of a body: less than that, and a node has
+/// come in on another side than the nearest.
+constexpr double kSameSide = 0.5;
+/// What ends farther outside of a body than this part of its way does not slide along it.
+constexpr double kSlides = 1e-3;
+
+/// Reflection at z = 0.
+NodeVectors reflected(NodeVectors v) {
+  v.col(2) *= -1;
+  return v;
+}
+
+/// Whether a node follows others.
+bool is_tied(const Mobility& mobility, Index node) {
+  for (int c = 0; c < 3; ++c)
+    for (const Tie::Part& part : mobility.map().row({node, c}))
+      if (part.of.node != node) return true;
+  return false;
+}
+
+}  // namespace
+
+struct ColliderContact::Impl {
+  Impl(std::vector<Body> of, bool is_mirrored, const ReductionMap& map);
+
+  /// Amends `after`, which a step of so many seconds made of `before` (N × 3). Returns the nodes
+  /// that it amended, ascending.
+  std::vector<Index> resolve(const NodeVectors& before, double step, State& after) const;
+  void find(double time, const NodeVectors& from, const NodeVectors& r, double within,
+            std::vector<NodeContact>& found) const;
+  void settle(double step, const std::vector<ContactImpulse>& impulses, State& state) const;
+  /// (M) Distance of points (M × 3) to the nearest body at a time, negative inside [m]; infinite
+  /// where there is no body.
+  [[nodiscard]] NodeValues clearance(double time, const NodeVectors& points) const;
+  /// The movable node that is deepest inside of a body, thickness included; throws InputError
+  /// naming it when it is deeper than `slack` [m].
+  void require_outside(const NodeVectors& r, double slack) const;
+
+  /// Distances of points to one body and the normals there; refuses what is not finite.
+  void measure(const Body& body, double time, const NodeVectors& points, NodeValues& distance,
+               NodeVectors& normal) const;
+  /// Of ways from → to, at whose ends distances and normals are known: where those come in that
+  /// have crossed the body, or its side. The body is where it is at that time.
+  [[nodiscard]] std::vector<EntryPlane> crossings(const Body& body, double time,
+                                                  const NodeVectors& from, const NodeVectors& to,
+                                                  const NodeValues& distance,
+                                                  const NodeVectors& normal) const;
+  /// Whether a way may lead through a body that its end is `gap` away from.
+  [[nodiscard]] bool may_cross(const Body& body, Index node, const Vec3& from, const Vec3& to,
+                               double gap, const Vec3& normal) const;
+  /// Gap and normal of each movable node, in turn, that is nearer to a body than `within`.
+  template <class Visit>
+  void visit_near(const Body& body, double time, const NodeVectors& from, const NodeVectors& r,
+                  double within, const Visit& visit) const;
+  /// Returns which nodes were inside.
+  std::vector<Index> resolve(std::size_t body, const NodeVectors& before, double step,
+                             State& after) const;
+  /// How fast each impulse's body has moved along the normal there [m/s].
+  [[nodiscard]] std::vector<double> speeds(double step, const std::vector<ContactImpulse>& impulses,
+                                           const State& state) const;
+
+  std::vector<Body> bodies;
+  std::vector<bool> is_convex;
+  bool mirrored;
+  Mobility mobility;
+};
+
+ColliderContact::Impl::Impl(std::vector<Body> of, bool is_mirrored, const ReductionMap& map)
+    : bodies(std::move(of)), mirrored(is_mirrored), mobility(map) {
+  for (const Body& body : bodies)
+    is_convex.push_back(guarded(body.collider.origin, "saying whether it is convex",
+                                [&] { return body.collider.object->is_convex(); }));
+}
+
+void ColliderContact::Impl::measure(const Body& body, double time, const NodeVectors& points,
+                                    NodeValues& distance, NodeVectors& normal) const {
+  const NodeVectors there = mirrored ? reflected(points) : NodeVectors();  // the scene's world
+  const NodeVectors& p = mirrored ? there : points;
+  distance.resize(p.rows());
+  normal.resize(p.rows(), 3);
+  parallel_blocks(p.rows(), kBlock, [&](Index first, Index size) {
+    guarded(body.collider.origin, "measuring distances", [&] {
+      body.collider.object->measure(time, rows_from(p, first),
+                                    {distance.data() + first, static_cast<std::size_t>(size)},
+                                    rows_from(normal, first));
+    });
+  });
+  if (mirrored) normal.col(2) *= -1;
+  require_finite(distance, "a distance", body.collider.origin, body.collider.name);
+  require_finite(normal, "a normal", body.collider.origin, body.collider.name);
+}
+
+bool ColliderContact::Impl::may_cross(const Body& body, Index node, const Vec3& from,
+                                      const Vec3& to, double gap, const Vec3& normal) const {
+  const double square = (to - from).squaredNorm();
+  if ((gap > 0 && gap * gap >= square) || mobility.is_held(node)) return false;
+  if (!(square > kNoWay * kNoWay * to.squaredNorm())) return false;
+  // A convex body lies behind its tangent plane: a way that begins before it does not enter but
+  // where it ends.
+  const bool convex = is_convex[static_cast<std::size_t>(&body - bodies.data())];
+  return !convex || normal.dot(from - to) + gap < -kOnPlane * std::sqrt(square);
+}
+
+std::vector<EntryPlane> ColliderContact::Impl::crossings(const Body& body, double time,
+                                                         const NodeVectors& from,
+                                                         const NodeVectors& to,
+                                                         const NodeValues& distance,
+                                                         const NodeVectors& normal) const {
+  std::vector<Index> nodes;
+  for (Index a = 0; a < to.rows(); ++a)
+    if (may_cross(body, a, from.row(a).transpose(), to.row(a).transpose(),
+                  distance[a] - body.thickness, normal.row(a).transpose()))
+      nodes.push_back(a);
+  if (nodes.empty()) return {};
+  const PathBody seen{[&](const NodeVectors& points, NodeValues& gap, NodeVectors& n) {
+                        measure(body, time, points, gap, n);
+                        gap.array() -= body.thickness;
+                      },
+                      is_convex[static_cast<std::size_t>(&body - bodies.data())]};
+  std::vector<EntryPlane> entries =
+      first_entries(seen, from(nodes, Eigen::all), to(nodes, Eigen::all));
+  for (EntryPlane& entry : entries) entry.path = nodes[static_cast<std::size_t>(entry.path)];
+  // What begins or ends on the side where it came in may have slid along a round body: where it is
+  // inside, it is put at the nearest point.
+  std::erase_if(entries, [&](const EntryPlane& entry) {
+    const Index a = entry.path;
+    const double slides = kSlides * (to.row(a) - from.row(a)).norm();
+    const bool is_on_it =
+        distance[a] - body.thickness <= slides || entry.gap(from.row(a).transpose()) <= slides;
+    return is_on_it && entry.normal.dot(Vec3(normal.row(a).transpose())) >= kSameSide;
+  });
+  return entries;
+}
+
+template <class Visit>
+void ColliderContact::Impl::visit_near(const Body& body, double time, const NodeVectors& from,
+                                       const NodeVectors& r, double within,
+                                       const Visit& visit) const {
+  NodeValues distance;
+  NodeVectors normal;
+  measure(body, time, r, distance, normal);
+  const std::vector<EntryPlane> entries = crossings(body, time, from, r, distance, normal);
+  auto entry = entries.begin();
+  for (Index a = 0; a < r.rows(); ++a) {
+    double gap = distance[a] - body.thickness;
+    Vec3 n = normal.row(a).transpose();
+    const bool crossed = entry != entries.end() && entry->path == a;
+    if (crossed) {
+      n = entry->normal;
+      gap = (entry++)->gap(r.row(a).transpose());
+    }
+    const double along = mobility.along(a, n);
+    if (gap < within * std::max(1.0, along) && mobility.is_movable(a, n))
+      visit(a, gap, n, along, crossed);
+  }
+}
+
+std::vector<Index> ColliderContact::Impl::resolve(const NodeVectors& before, double step,
+                                                  State& after) const {
+  std::vector<Index> all;
+  for (int round = 0; round < kMostRounds; ++round) {
+    bool any = false;
+    for (std::size_t body = 0; body < bodies.size(); ++body) {
+      const std::vector<Index> touched = resolve(body, before, step, after);
+      any = any || !touched.empty();
+      all.insert(all.end(), touched.begin(), touched.end());
+    }
+    if (!any || (bodies.size() == 1 && !mobility.has_ties())) break;
+  }
+  std::ranges::sort(all);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
+std::vector<Index> ColliderContact::Impl::resolve(std::size_t body, const NodeVectors& before,
+                                                  double step, State& after) const {
+  std::vector<Index> touched;
+  std::vector<ContactImpulse> impulses;
+  std::vector<std::pair<Index, Vec3>> moves;  // per node, of the unknowns that it follows
+  visit_near(bodies[body], after.time, before, after.r, 0,
+             [&](Index a, double gap, const Vec3& n, double /*mobility*/, bool /*crossed*/) {
+               Vec3 moved = (after.r.row(a) - before.row(a)).transpose();
+               Grip grip{
+                   .normal = n, .friction = bodies[body].friction, .least = moved.dot(n) - gap};
+               moves.emplace_back(a, settle_motion(mobility, a, {&grip, 1}, moved));
+               impulses.push_back({.node = a, .body = body, .normal = n});
+               touched.push_back(a);
+             });
+  // What is tied to nodes that are pushed out may come out with them: its turn is the next.
+  const auto is_other = [&](Index node) { return is_tied(mobility, node); };
+  if (mobility.has_ties() && !std::ranges::all_of(touched, is_other)) {
+    std::erase_if(moves, [&](const auto& move) { return is_other(move.first); });
+    std::erase_if(impulses, [&](const ContactImpulse& i) { return is_other(i.node); });
+  }
+  for (const auto& [node, move] : moves) mobility.add(node, move, after.r);
+  if (!touched.empty() && mobility.has_ties()) mobility.map().complete_positions(after.r);
+  settle(step, impulses, after);
+  return touched;
+}
+
+void ColliderContact::Impl::find(double time, const NodeVectors& from, const NodeVectors& r,
+                                 double within, std::vector<NodeContact>& found) const {
+  found.clear();
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    visit_near(bodies[b], time, from, r, within,
+               [&](Index a, double gap, const Vec3& n, double along, bool crossed) {
+                 found.push_back({a, b, gap, n, bodies[b].friction, along, crossed});
+               });
+}
+
+std::vector<double> ColliderContact::Impl::speeds(double step,
+                                                  const std::vector<ContactImpulse>& impulses,
+                                                  const State& state) const {
+  std::vector<double> speeds(impulses.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    std::vector<std::size_t> of_body;
+    for (std::size_t i = 0; i < impulses.size(); ++i)
+      if (impulses[i].body == b) of_body.push_back(i);
+    if (of_body.empty()) continue;
+    NodeVectors points(static_cast<Index>(of_body.size()), 3), normal;
+    for (std::size_t k = 0; k < of_body.size(); ++k)
+      points.row(static_cast<Index>(k)) = state.r.row(impulses[of_body[k]].node);
+    NodeValues now, earlier;
+    measure(bodies[b], state.time, points, now, normal);
+    measure(bodies[b], state.time - step, points, earlier, normal);
+    for (std::size_t k = 0; k < of_body.size(); ++k)
+      speeds[of_body[k]] = (earlier[static_cast<Index>(k)] - now[static_cast<Index>(k)]) / step;
+  }
+  return speeds;
+}
+
+void ColliderContact::Impl::settle(double step, const std::vector<ContactImpulse>& impulses,
+                                   State& state) const {
+  if (impulses.empty()) return;
+  const std::vector<double> speed = speeds(step, impulses, state);
+  std::vector<std::size_t> by_node(impulses.size());
+  std::iota(by_node.begin(), by_node.end(), std::size_t{0});
+  const auto node_of = [&](std::size_t i) { return impulses[i].node; };
+  std::ranges::stable_sort(by_node, {}, node_of);
+  // Nodes that are tied to others come after these: most have what they need then.
+  if (mobility.has_ties())
+    std::stable_partition(by_node.begin(), by_node.end(),
+                          [&](std::size_t i) { return !is_tied(mobility, node_of(i)); });
+  std::vector<Grip> grips;
+  for (std::size_t k = 0; k < by_node.size();) {
+    const Index node = node_of(by_node[k]);
+    grips.clear();
+    for (; k < by_node.size() && node_of(by_node[k]) == node; ++k) {
+      const ContactImpulse& i = impulses[by_node[k]];
+      grips.push_back({i.normal, bodies[i.body].friction, speed[by_node[k]], i.normal_impulse,
+                       i.friction_impulse});
+    }
+    if (mobility.has_ties() && is_tied(mobility, node)) mobility.map().complete_changes(state.v);
+    Vec3 v = state.v.row(node).transpose();
+    mobility.add(node, settle_motion(mobility, node, grips, v), state.v);
+  }
+  if (mobility.has_ties()) mobility.map().complete_changes(state.v);
+}
+
+NodeValues ColliderContact::Impl::clearance(double time, const NodeVectors& points) const {
+  NodeValues least = NodeValues::Constant(points.rows(), std::numeric_limits<double>::infinity());
+  NodeValues distance;
+  NodeVectors normal;
+  for (const Body& body : bodies) {
+    measure(body, time, points, distance, normal);
+    least = least.cwiseMin(distance);
+  }
+  return least;
+}
+
+void ColliderContact::Impl::require_outside(const NodeVectors& r, double slack) const {
+  NodeValues distance;
+  NodeVectors normal;
+  std::vector<Problem> problems;
+  for (const Body& body : bodies) {
+    try {
+      measure(body, 0, r, distance, normal);
+    } catch (const NotFinite& e) {
+      problems.push_back({body.pointer, fmt::format("at {}: {} at first: no number holds squares "
+                                                    "of such sizes",
+                                                    body.pointer, e.what())});
+      continue;
+    }
+    Index worst = -1;
+    for (Index a = 0; a < r.rows(); ++a)
+      if ((worst < 0 || distance[a] < distance[worst]) &&
+          mobility.is_movable(a, normal.row(a).transpose()))
+        worst = a;
+    if (worst < 0 || body.thickness - distance[worst] <= slack) continue;
+    problems.push_back(
+        {body.pointer,
+         fmt::format("at {}: node {} begins {:.3g} m inside of this collider (thickness included), "
+                     "expected all nodes outside",
+                     body.pointer, worst, body.thickness - distance[worst])});
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+}
+
+ColliderContact::ColliderContact(std::vector<Body> bodies, bool mirrored, const ReductionMap& map)
+    : impl_(std::make_unique<Impl>(std::move(bodies), mirrored, map)) {}
+ColliderContact::~ColliderContact() = default;
+std::size_t ColliderContact::bodies() const { return impl_->bodies.size(); }
+const Mobility& ColliderContact::mobility() const { return impl_->mobility; }
+std::vector<Index> ColliderContact::resolve(const NodeVectors& before, double step,
+                                            State& after) const {
+  return impl_->resolve(before, step, after);
+}
+void ColliderContact::find(double time, const NodeVectors& from, const NodeVectors& r,
+                           double within, std::vector<NodeContact>& found) const {
+  impl_->find(time, from, r, within, found);
+}
+void ColliderContact::settle(double step, const std::vector<ContactImpulse>& impulses,
+                             State& state) const {
+  impl_->settle(step, impulses, state);
+}
+NodeValues ColliderContact::clearance(double time, const NodeVectors& points) const {
+  return impl_->clearance(time, points);
+}
+void ColliderContact::require_outside(const NodeVectors& r, double slack) const {
+  impl_->require_outside(r, slack);
+}
+
+}  // namespace deform

@@ -1,0 +1,345 @@
+#include "deform/solve/newton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "deform/error.h"
+#include "deform/geometry/rounding.h"
+#include "deform/plugin/values.h"
+
+#include "profile/profile.h"
+#include "solve/newton/constants.h"
+#include "solve/newton/convergence.h"
+#include "solve/not_finite.h"
+
+namespace deform {
+namespace {
+
+/// A line search halves its step this often.
+constexpr int kMostCuts = 30;
+/// Armijo's condition: a step is taken where the merit falls by this part of what its slope
+/// promised (Nocedal & Wright, chapter 3).
+constexpr double kArmijo = 1e-4;
+/// So many non-monotone steps may go by before the merit is below its lowest value (a watchdog:
+/// Nocedal & Wright, chapter 15.6).
+constexpr int kMostPatience = 3;
+/// Where they do not help, paths rotate by this part of what they did; by so many times it where
+/// they do.
+constexpr double kShorter = 0.25, kLonger = 4;
+/// No path rotates a part of the surface by more than the first; where not even a rotation as small
+/// as the second helps, a line search does [rad].
+constexpr double kLargestRotation = 1, kSmallestRotation = 0.03;
+/// How often a step that helped is doubled as long as it helps more.
+constexpr int kMostDoublings = 6;
+/// What a sum of energies may be wrong by, relative.
+constexpr double kRoundingOfEnergy = 1e-13;
+/// A Newton step below this part of the size and the rounding of positions moves nothing: what is
+/// left of the residual is the rounding of forces, of which some are far larger than all that is at
+/// work.
+constexpr double kRoundingOfPositions = 1e-13;
+/// Forces that no symmetric tangent knows (drag that turns, followers at a border): after so many
+/// steps, and this close to a solution, their whole Jacobian is worth what it costs.
+constexpr std::int64_t kSlow = 10;
+constexpr double kClose = 0.2;
+/// Where a merit may fall on and on along a way that leads round, and after so many steps nothing
+/// is close, a shorter time step does better.
+constexpr std::int64_t kMostRoundabout = 12;
+
+}  // namespace
+
+Objective::~Objective() = default;
+bool Objective::find_full_direction(State& /*state*/, NodeVectors& /*direction*/) { return false; }
+double Objective::longest_step(const Path& /*path*/) { return kInfinity; }
+double Objective::length(const NodeVectors& displacement) const {
+  return displacement.rowwise().norm().maxCoeff();
+}
+bool Objective::accept(State& /*state*/, Tangent& /*kind*/, double /*norm*/, Ending /*ending*/) {
+  return true;
+}
+
+struct Newton::Impl {
+  explicit Impl(const System& system) : path(system) {}
+
+  [[nodiscard]] std::string iterate(State& state);
+  void begin(State& state, double merit);
+  [[nodiscard]] double evaluate(State& state);
+  [[nodiscard]] bool is_converged(State& state, double norm);
+  [[nodiscard]] bool accepts(State& state, double norm, Objective::Ending ending);
+  [[nodiscard]] std::string find_direction(State& state, std::int64_t iteration, double relative);
+  [[nodiscard]] std::string why_no_solution(std::int64_t iteration, double relative) const;
+  [[nodiscard]] bool may_go_back() const { return is_nonmonotone && patience > 0; }
+  [[nodiscard]] bool take_whole_step(State& state, double longest_step);
+  [[nodiscard]] bool take_watched_step(State& state, double longest_step);
+  [[nodiscard]] std::string search(State& state, double norm, double longest_step);
+  [[nodiscard]] bool search_along(State& state, double norm, double longest_step);
+  double go_farther(double s, double there, double longest_step, State& state);
+  void remember(State& state, double merit);
+  void go_back(State& state);
+  void end_nonmonotone(State& state);
+  /// Newton steps that are not longer move nothing [m].
+  [[nodiscard]] double still(const State& state) const {
+    return kRoundingOfPositions * f->characteristic_length() + rounding_of_positions(state.r);
+  }
+
+  Path path;
+  // Of one solution:
+  Objective* f = nullptr;
+  NewtonSettings settings;
+  StepReport* report = nullptr;
+  /// Where the merit is the lowest.
+  struct Lowest {
+    NodeVectors r;
+    double merit = 0;
+  };
+  Lowest lowest;
+  double begun = 0;            // merit of the guess
+  int patience = 0;            // steps since the lowest
+  bool is_nonmonotone = true;  // steps need not lower the merit one by one
+  double rotation = 0;         // the largest that a non-monotone step may make [rad]
+  double tried = 0;            // that of the first since the lowest
+  Tangent kind = Tangent::exact, next = Tangent::exact;
+  NodeVectors before;  // positions before the last step
+  NodeVectors nearer;  // positions before a step is doubled
+  NodeVectors direction;
+  double moved = kInfinity;    // the farthest node, in the last step [m]
+  double last_correction = 0;  // 0: none that the next can be compared with
+};
+
+Newton::Newton(const System& system) : impl_(std::make_unique<Impl>(system)) {}
+Newton::~Newton() = default;
+
+std::string Newton::solve(Objective& objective, const NewtonSettings& settings, double merit,
+                          State& state, StepReport& report) {
+  impl_->f = &objective;
+  impl_->settings = settings;
+  impl_->report = &report;
+  impl_->begin(state, merit);
+  return impl_->iterate(state);
+}
+
+void Newton::Impl::begin(State& state, double merit) {
+  is_nonmonotone = settings.nonmonotone_steps > 0 && (f->has_potential() || !settings.watches);
+  rotation = kLargestRotation;
+  kind = next = Tangent::exact;
+  moved = kInfinity;
+  last_correction = 0;
+  before.resize(0, 3);
+  begun = merit;
+  remember(state, begun);
+  report->residuals.clear();
+}
+
+/// Forces and tangent at the state; the residual, infinite where there is none.
+double Newton::Impl::evaluate(State& state) {
+  kind = next;
+  double norm = kInfinity;
+  try {
+    norm = f->evaluate(state, kind, before);
+  } catch (const NotFinite&) {
+    if (!may_go_back()) throw;
+  }
+  note_residual(*f, norm, *report);
+  return norm;
+}
+
+/// Whether the state is a solution; where it is none yet, the search begins again.
+bool Newton::Impl::accepts(State& state, double norm, Objective::Ending ending) {
+  if (f->accept(state, kind, norm, ending)) return true;
+  if (f->has_potential() && settings.watches) begun = f->merit(state);
+  remember(state, begun);
+  before.resize(0, 3);
+  moved = kInfinity;
+  return false;
+}
+
+/// Whether the residual is small enough; after non-monotone steps the merit must not be larger than
+/// that of the guess.
+bool Newton::Impl::is_converged(State& state, double norm) {
+  if (!(norm <= settings.tolerance * f->scale())) return false;
+  const bool is_watched = is_nonmonotone && settings.watches && f->has_potential();
+  if (is_watched && f->is_fixed() &&
+      !(f->merit(state) <= begun + kRoundingOfEnergy * std::abs(begun)))
+    return false;
+  return accepts(state, norm, Objective::Ending::residual);
+}
+
+void Newton::Impl::remember(State& state, double merit) {
+  lowest.r = state.r;
+  lowest.merit = merit;
+  f->mark();
+  patience = 0;
+}
+
+void Newton::Impl::go_back(State& state) {
+  state.r = lowest.r;
+  f->return_to_mark();
+  patience = 0;
+  next = Tangent::exact;
+}
+
+/// From the lowest merit, or where nobody looked at it from the beginning.
+void Newton::Impl::end_nonmonotone(State& state) {
+  is_nonmonotone = false;
+  go_back(state);
+  before.resize(0, 3);
+  moved = kInfinity;
+}
+
+/// Doubles a step whose merit is `there` as long as that falls: the projected tangent is stiffer
+/// than the surface, most so where it buckles. Returns the merit it comes to.
+double Newton::Impl::go_farther(double s, double there, double longest_step, State& state) {
+  for (int k = 0; kind == Tangent::projected && k < kMostDoublings && 2 * s <= longest_step; ++k) {
+    nearer = state.r;
+    path.at(2 * s, state.r);
+    const double farther = f->merit(state);
+    if (!(farther < there)) {
+      state.r = nearer;
+      break;
+    }
+    there = farther, s *= 2;
+  }
+  return there;
+}
+
+/// One step as it comes, but for the angle that it may rotate by: the merit need not fall at once,
+/// as steps into what a thin sheet resists most are taken back by the next. After a straight step
+/// the next tangent is that of the stress which this one foresaw. Returns whether the merit is the
+/// lowest now; if not, it may be back where it was.
+bool Newton::Impl::take_watched_step(State& state, double longest_step) {
+  const Span span("step along the direction");
+  before = state.r;
+  if (patience == 0) tried = std::min(rotation, path.angle());
+  const double s = std::min({1.0, longest_step, rotation / std::max(path.angle(), 1e-300)});
+  path.at(s, state.r);
+  next = path.is_straight() ? Tangent::foreseen : Tangent::exact;
+  const double merit = go_farther(s, f->merit(state), longest_step, state);
+  if (merit < lowest.merit) {
+    remember(state, merit);
+    rotation = std::min(kLargestRotation, kLonger * rotation);
+    return true;
+  }
+  if (++patience == kMostPatience) {
+    go_back(state);
+    rotation = kShorter * tried;
+    is_nonmonotone = rotation >= kSmallestRotation;
+  }
+  return false;
+}
+
+/// One step as it comes; false where it may not be taken, or its tangent is not the exact one.
+bool Newton::Impl::take_whole_step(State& state, double longest_step) {
+  if (kind == Tangent::projected || !(longest_step >= 1)) return false;
+  before = state.r;
+  path.at(1, state.r);
+  next = Tangent::foreseen;
+  ++patience;
+  return true;
+}
+
+/// Goes along the path as far as the merit falls; false where it does not.
+bool Newton::Impl::search_along(State& state, double norm, double longest_step) {
+  const Span span("line search");
+  const double at_begin = f->has_potential() ? f->merit(state) : norm;
+  const double slope = f->has_potential() ? f->slope(direction) : -norm;
+  const double rounding = kRoundingOfEnergy * std::abs(at_begin);
+  const NodeVectors from = state.r;
+  double s = std::min({1.0, longest_step, kLargestRotation / std::max(path.angle(), 1e-300)});
+  for (int cut = 0; cut < kMostCuts; ++cut, s /= 2) {
+    path.at(s, state.r);
+    const double there = f->merit(state);
+    if (!(there <= at_begin + kArmijo * s * slope + rounding)) continue;
+    if (cut == 0) (void)go_farther(s, there, longest_step, state);
+    return true;
+  }
+  state.r = from;
+  return false;
+}
+
+/// A step by line search; "" or why there is none. Its tangent is the exact one, or if that does
+/// not help the projected one.
+std::string Newton::Impl::search(State& state, double norm, double longest_step) {
+  const double relative = norm / f->scale();
+  next = Tangent::exact;
+  if (search_along(state, norm, longest_step)) return "";
+  // Close to the end Φ changes by less than its rounding, and where a surface's frame is mixed a
+  // force is not quite its gradient: the residual goes on.
+  const NodeVectors from = state.r;
+  state.r += std::min(1.0, longest_step) * direction;
+  if (f->evaluate_residual(state) < 0.5 * norm) return "";
+  state.r = from;
+  if (relative <= kRoundingOfForces) {
+    moved = 0;
+    return "";
+  }
+  if (kind == Tangent::projected || !f->has_potential())
+    return fmt::format("no step along Newton's direction helps (residual {:.3g})", relative);
+  next = Tangent::projected;
+  return "";
+}
+
+/// Newton's direction; "" or why there is none.
+std::string Newton::Impl::find_direction(State& state, std::int64_t iteration, double relative) {
+  if (!std::isfinite(relative)) return "forces are not finite";
+  const bool is_slow =
+      f->has_potential() && kind != Tangent::projected && iteration >= kSlow && relative <= kClose;
+  if (is_slow && f->find_full_direction(state, direction)) return "";
+  return f->find_direction(state, kForcing, kind, direction);
+}
+
+std::string Newton::Impl::why_no_solution(std::int64_t iteration, double relative) const {
+  return relative <= settings.tolerance
+             ? fmt::format("contact forces do not settle in {} iterations", iteration)
+             : fmt::format("{} iterations leave a residual of {:.3g}", iteration, relative);
+}
+
+std::string Newton::Impl::iterate(State& state) {
+  for (std::int64_t i = 0;; ++i) {
+    const Span span("Newton iteration");
+    if (is_nonmonotone && i == settings.nonmonotone_steps) end_nonmonotone(state);
+    const double norm = evaluate(state);
+    if (is_converged(state, norm)) return "";
+    if (moved <= still(state) && accepts(state, norm, Objective::Ending::no_step)) return "";
+    const double relative = report->residual;
+    const bool goes_round = f->may_go_round() && i >= kMostRoundabout && relative > kClose;
+    if (i == settings.iterations || goes_round || (!is_nonmonotone && !std::isfinite(norm)))
+      return why_no_solution(i, relative);
+    ++report->iterations;
+    std::string reason = find_direction(state, i, relative);
+    if (!reason.empty()) {
+      if (!may_go_back()) return "no direction of descent (" + reason + ")";
+      go_back(state);
+      last_correction = 0;
+      rotation *= kShorter;
+      if (!settings.watches) end_nonmonotone(state);
+      continue;
+    }
+    path.begin(state.r, direction, settings.rotates && f->has_potential());
+    moved = path.length();
+    if (moved <= still(state)) {
+      if (accepts(state, norm, Objective::Ending::no_distance)) return "";
+      continue;
+    }
+    const double longest_step = f->longest_step(path);
+    if (is_nonmonotone && !settings.watches) {
+      if (!take_whole_step(state, longest_step)) end_nonmonotone(state);
+      continue;
+    }
+    const double correction = f->length(direction);
+    const double theta = correction / std::exchange(last_correction, correction);
+    const bool may_end =
+        is_nonmonotone && path.angle() <= rotation && longest_step >= 1 && f->is_fixed() &&
+        is_small_enough({theta, kForcing, correction, norm}, settings.error, f->scale());
+    if (is_nonmonotone) {
+      const bool is_lowest = take_watched_step(state, longest_step);
+      if (may_end && is_lowest) return "";
+      if (patience == 0 && !is_lowest) last_correction = 0;  // it went back
+    } else if (reason = search(state, norm, longest_step); !reason.empty()) {
+      return reason;
+    }
+  }
+}
+
+}  // namespace deform

@@ -1,0 +1,98 @@
+/// The equation of a stage of an implicit step.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "deform/solve/force_jacobian.h"
+#include "deform/solve/implicit_stage.h"
+#include "deform/solve/newton.h"
+#include "deform/solve/newton_matrix.h"
+
+#include "solve/contact/contact_multipliers.h"
+
+namespace deform {
+
+/// Residual F = f − M (v − v_base)/τ − Γ v with contact forces, tied components transposed (Tᵀ);
+/// merit Φ, the incremental potential, less the work of forces without a potential on the way
+/// taken; or |F| where some energy has no potential.
+class StageObjective final : public Objective {
+ public:
+  /// All must live as long as the stage is solved; contact forces remain from stage to stage.
+  void begin(const System& system, const Stage& stage, const StepStrains& strains);
+
+  [[nodiscard]] bool has_potential() const override { return has_potential_; }
+  /// Of all forces.
+  [[nodiscard]] bool is_gradient() const { return has_potential_ && !has_nonconservative_; }
+  [[nodiscard]] bool has_contacts() const { return with_contacts_; }
+
+  /// Makes v and the time of a state those of the stage at its r.
+  void set_velocity(State& state) const;
+  /// Begins the way along which work is counted.
+  void begin_path(State& state);
+  /// Of the linear solver, since the stage began.
+  [[nodiscard]] long solver_iterations() const { return solver_iterations_; }
+
+  [[nodiscard]] double merit(State& state) override;
+  [[nodiscard]] double evaluate(State& state, Tangent kind, const NodeVectors& before) override;
+  [[nodiscard]] double evaluate_residual(State& state) override;
+  [[nodiscard]] double scale() const override { return scale_; }
+  [[nodiscard]] std::string find_direction(State& state, double tolerance, Tangent& kind,
+                                           NodeVectors& direction) override;
+  [[nodiscard]] std::string find_direction_again(double tolerance, NodeVectors& direction) override;
+  [[nodiscard]] bool find_full_direction(State& state, NodeVectors& direction) override;
+  [[nodiscard]] double slope(const NodeVectors& direction) const override {
+    return -residual_.cwiseProduct(direction).sum();
+  }
+  [[nodiscard]] double characteristic_length() const override { return size_; }
+  /// Root mean square over the mass.
+  [[nodiscard]] double length(const NodeVectors& displacement) const override;
+  /// Makes contact forces those of the last evaluation: whether they are what they must be.
+  [[nodiscard]] bool accept(State& state, Tangent& kind, double norm, Ending ending) override;
+  [[nodiscard]] bool is_fixed() const override { return !with_contacts_; }
+  [[nodiscard]] bool may_go_round() const override {
+    return stage_->averages_strains && !with_contacts_;
+  }
+  void mark() override { marked_ = path_; }
+  void return_to_mark() override { path_ = marked_; }
+
+  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+  [[nodiscard]] ContactMultipliers& contacts() { return contacts_; }
+  [[nodiscard]] const ContactMultipliers& contacts() const { return contacts_; }
+
+ private:
+  /// The way that was taken to the last evaluation.
+  struct WorkPath {
+    NodeVectors to;     // positions there
+    NodeVectors force;  // non-conservative, there
+    double work = 0;    // done by it until there [J]
+  };
+  [[nodiscard]] double incremental_potential(const State& state);
+  [[nodiscard]] double work_to(const State& state, const NodeVectors& force) const;
+  void evaluate_tangent(State& state, Tangent kind, const NodeVectors* before);
+  [[nodiscard]] double residual(const State& state);
+  [[nodiscard]] Eigen::Array3d find_residual(const State& state, Index first, Index size);
+  [[nodiscard]] ForceJacobian& jacobian();
+
+  const System* system_ = nullptr;
+  const Stage* stage_ = nullptr;
+  const StepStrains* strains_ = nullptr;
+  std::optional<NewtonMatrix> matrix_;
+  std::optional<ForceJacobian> jacobian_;  // made when first needed
+  ContactMultipliers contacts_;
+  bool has_potential_ = true, has_nonconservative_ = false;
+  bool with_contacts_ = false, contacts_begun_ = false;
+  bool has_jacobian_solver_ = true;  // as far as is known
+  double tolerance_ = 0;             // of the residual, relative to the scale
+  double size_ = 0, scale_ = 0;
+  long solver_iterations_ = 0;
+  NodeValues mass_, damping_;  // M/τ², Γ/τ [N/m]
+  NodeValues diagonal_;        // their sum
+  NodeVectors inertial_;       // r_base + τ v_base
+  NodeVectors force_;          // f
+  NodeVectors residual_;       // F
+  Eigen::Array3Xd squares_;    // sums of squares of some nodes, [N²]
+  WorkPath path_, marked_;
+};
+
+}  // namespace deform
