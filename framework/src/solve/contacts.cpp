@@ -30,12 +30,6 @@ constexpr double kSameSide = 0.5;
 /// What ends farther outside of a body than this part of its way does not slide along it.
 constexpr double kSlides = 1e-3;
 
-/// Reflection at z = 0.
-NodeVectors reflected(NodeVectors v) {
-  v.col(2) *= -1;
-  return v;
-}
-
 /// Whether a node follows others.
 bool is_tied(const Mobility& mobility, Index node) {
   for (int c = 0; c < 3; ++c)
@@ -46,8 +40,8 @@ bool is_tied(const Mobility& mobility, Index node) {
 
 }  // namespace
 
-Contacts::Contacts(std::vector<Body> bodies, bool mirrored, const ReductionMap& map)
-    : bodies_(std::move(bodies)), mirrored_(mirrored), mobility_(map) {
+Contacts::Contacts(std::vector<Body> bodies, const ReductionMap& map)
+    : bodies_(std::move(bodies)), mobility_(map) {
   for (const Body& body : bodies_)
     is_convex_.push_back(guarded(body.collider.origin, "saying whether it is convex",
                                  [&] { return body.collider.object->is_convex(); }));
@@ -55,18 +49,15 @@ Contacts::Contacts(std::vector<Body> bodies, bool mirrored, const ReductionMap& 
 
 void Contacts::measure(const Body& body, double time, const NodeVectors& points,
                        NodeValues& distance, NodeVectors& normal) const {
-  const NodeVectors there = mirrored_ ? reflected(points) : NodeVectors();  // the scene's world
-  const NodeVectors& p = mirrored_ ? there : points;
-  distance.resize(p.rows());
-  normal.resize(p.rows(), 3);
-  parallel_blocks(p.rows(), kBlock, [&](Index first, Index size) {
+  distance.resize(points.rows());
+  normal.resize(points.rows(), 3);
+  parallel_blocks(points.rows(), kBlock, [&](Index first, Index size) {
     guarded(body.collider.origin, "measuring distances", [&] {
-      body.collider.object->measure(time, rows_from(p, first),
+      body.collider.object->measure(time, rows_from(points, first),
                                     {distance.data() + first, static_cast<std::size_t>(size)},
                                     rows_from(normal, first));
     });
   });
-  if (mirrored_) normal.col(2) *= -1;
   require_finite(distance, "a distance", body.collider.origin, body.collider.name);
   require_finite(normal, "a normal", body.collider.origin, body.collider.name);
 }

@@ -25,7 +25,7 @@ namespace deform {
 class Contacts {
  public:
   /// `map` must live as long.
-  Contacts(std::vector<Body> bodies, bool mirrored, const ReductionMap& map);
+  Contacts(std::vector<Body> bodies, const ReductionMap& map);
 
   /// Amends `after`, which a step of so many seconds made of `before` (N × 3). Returns the nodes
   /// that it amended, ascending.
@@ -68,7 +68,6 @@ class Contacts {
 
   std::vector<Body> bodies_;
   std::vector<bool> is_convex_;
-  bool mirrored_;
   Mobility mobility_;
 };
 

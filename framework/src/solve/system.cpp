@@ -20,8 +20,7 @@ System::Impl::Impl(ModelParts p) : parts(std::move(p)), external(parts) {
   for (const auto& c : parts.constraints)
     guarded(c.origin, "saying what it holds", [&] { c.object->reduce(reduction); });
   map.emplace(reduction);
-  if (parts.mirrored) map->reflect();
-  contacts.emplace(parts.bodies, parts.mirrored, *map);
+  contacts.emplace(parts.bodies, *map);
   force = NodeVectors::Zero(n, 3);
   normals = NodeVectors::Zero(n, 3);
   force_stiffness = force_damping = NodeValues::Zero(n);
@@ -258,15 +257,12 @@ void System::solve(const NodeValues& d, const NodeVectors& b, NodeVectors& x, do
 
 void System::prescribe(double time, NodeVectors& r) const {
   if (impl_->parts.constraints.empty()) return;
-  // Constraints speak of the unmirrored world.
-  if (impl_->parts.mirrored) r.col(2) *= -1;
   for (const auto& c : impl_->parts.constraints) {
     guarded(c.origin, "prescribing positions", [&] { c.object->prescribe(time, r); });
     if (r.rows() != nodes())
       throw PluginFailure("plugin " + c.origin + " made " + std::to_string(r.rows()) +
                           " positions of the " + std::to_string(nodes()) + " that it was given");
   }
-  if (impl_->parts.mirrored) r.col(2) *= -1;
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < r.rows(); ++a)
       if (!std::isfinite(r(a, c)) && impl_->map->reduction().prescribed(a, c))

@@ -63,8 +63,6 @@ struct ModelParts {
   /// Makes a fresh object of each solver to choose from (one, where the scene names it). Components
   /// that different constraints hold need a matrix, and so a solver, each.
   std::function<std::vector<Named<LinearSolver>>()> make_solvers;
-  /// Mirrored at z = 0: forces and constraints are those of the unmirrored world, reflected.
-  bool mirrored = false;
 };
 
 /// What an iterative integrator's last step took; for logs and probes.
