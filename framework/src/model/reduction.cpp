@@ -37,6 +37,15 @@ void Reduction::tie(const Tie& tie) {
   ties_.push_back(tie);
 }
 
+void Reduction::reflect() {
+  for (Tie& tie : ties_) {
+    if (tie.freedom.component == 2) tie.offset = -tie.offset;
+    for (Tie::Part& part : tie.parts)
+      if ((part.of.component == 2) != (tie.freedom.component == 2))
+        part.coefficient = -part.coefficient;
+  }
+}
+
 std::vector<Index> Reduction::free_nodes(int component) const {
   std::vector<Index> nodes;
   for (Index node = 0; node < nodes_; ++node) {
@@ -110,11 +119,6 @@ bool Reduction::ties_mix_components() const {
 
 ReductionMap::ReductionMap(const Reduction& reduction)
     : reduction_(reduction), ties_(reduction.ties()) {
-  make_rows();
-}
-
-void ReductionMap::make_rows() {
-  rows_.clear();
   for (auto& numbers : number_) numbers.assign(static_cast<std::size_t>(reduction_.nodes()), -1);
   for (const Tie& tie : ties_) {
     Row combined;
@@ -138,16 +142,6 @@ ReductionMap::Row ReductionMap::row(const Freedom& freedom) const {
   const std::int32_t number =
       number_[static_cast<std::size_t>(freedom.component)][static_cast<std::size_t>(freedom.node)];
   return number < 0 ? Row{} : rows_[static_cast<std::size_t>(number)];
-}
-
-void ReductionMap::reflect() {
-  for (Tie& tie : ties_) {
-    if (tie.freedom.component == 2) tie.offset = -tie.offset;
-    for (Tie::Part& part : tie.parts)
-      if ((part.of.component == 2) != (tie.freedom.component == 2))
-        part.coefficient = -part.coefficient;
-  }
-  make_rows();
 }
 
 void ReductionMap::complete(NodeVectors& r, bool with_offsets) const {

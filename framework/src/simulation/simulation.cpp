@@ -16,6 +16,7 @@
 #include "deform/log.h"
 #include "deform/solve/lagged_matrix.h"
 
+#include "model/mirrored_parts.h"
 #include "plugin/guard.h"
 #include "profile/profile.h"
 #include "simulation/compound_terms.h"
@@ -76,6 +77,14 @@ NodeVectors unflattened(const Memory& memory, const std::string& name, Index nod
   NodeVectors v = Eigen::Map<const NodeVectors>(values.data(), nodes, 3);
   if (!v.allFinite()) throw InputError("the checkpoint's \"" + name + "\" is not finite");
   return v;
+}
+
+/// Puts force fields, constraints and colliders, which speak of the scene's world, into the
+/// mirrored one.
+void mirror(ModelParts& parts) {
+  for (auto& field : parts.forces) field.object = mirrored(field.object, parts.rest.rows());
+  for (auto& constraint : parts.constraints) constraint.object = mirrored(constraint.object);
+  for (Body& body : parts.bodies) body.collider.object = mirrored(body.collider.object);
 }
 
 /// An equilibrium that is looked for as if there were no bodies is not made right by putting nodes
@@ -171,8 +180,8 @@ void Simulation::Impl::make_system() {
   areas = areas_of_mass(*surface->object, scene.material);
   check_areas(scene, areas, maker);
   const Setup setup = maker.setup(*surface->object, rest, areas);
-  // The System reflects forces and constraints as a whole: these see the world as the scene
-  // describes it.
+  // Force fields, constraints and colliders are made for the world that the scene describes, and
+  // reflected as a whole.
   const Setup unmirrored = maker.setup(*surface->object, surface->object->rest(), areas);
 
   ModelParts parts;
@@ -186,8 +195,8 @@ void Simulation::Impl::make_system() {
       (scene.material.damping + scene.material.rayleigh_mass * density.array()) * areas.array();
   parts.forces = maker.make_all<ForceField>(scene.forces, unmirrored);
   parts.constraints = maker.make_all<Constraint>(scene.constraints, unmirrored);
-  parts.mirrored = mirrored;
   parts.bodies = make_bodies(maker, unmirrored);
+  if (mirrored) mirror(parts);
   auto made_integrator = maker.make<Integrator>(scene.integrator, setup);
   if (made_integrator) require_no_colliders(scene, *made_integrator, maker);
   parts.make_solvers = solver_factory(maker, surface->object);

@@ -17,30 +17,22 @@ ReductionMap map_of(const ModelParts& parts) {
   Reduction reduction(parts.surface->nodes());
   for (const auto& c : parts.constraints)
     guarded(c.origin, "saying what it holds", [&] { c.object->reduce(reduction); });
-  ReductionMap map(reduction);
-  if (parts.mirrored) map.reflect();
-  return map;
+  return ReductionMap(reduction);
 }
 
 }  // namespace
 
 ConstraintSet::ConstraintSet(const ModelParts& parts)
-    : nodes_(parts.surface->nodes()),
-      constraints_(parts.constraints),
-      mirrored_(parts.mirrored),
-      map_(map_of(parts)) {}
+    : nodes_(parts.surface->nodes()), constraints_(parts.constraints), map_(map_of(parts)) {}
 
 void ConstraintSet::prescribe(double time, NodeVectors& r) const {
   if (constraints_.empty()) return;
-  // Constraints speak of the unmirrored world.
-  if (mirrored_) r.col(2) *= -1;
   for (const auto& c : constraints_) {
     guarded(c.origin, "prescribing positions", [&] { c.object->prescribe(time, r); });
     if (r.rows() != nodes_)
       throw PluginFailure("plugin " + c.origin + " made " + std::to_string(r.rows()) +
                           " positions of the " + std::to_string(nodes_) + " that it was given");
   }
-  if (mirrored_) r.col(2) *= -1;
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < r.rows(); ++a)
       if (!std::isfinite(r(a, c)) && reduction().prescribed(a, c)) throw_not_finite(time, a);

@@ -17,7 +17,7 @@ SystemParts::SystemParts(ModelParts p)
     : model(std::move(p)),
       solvers(model.make_solvers),
       constraints(model),
-      contact(model.bodies, model.mirrored, constraints.map()),
+      contact(model.bodies, constraints.map()),
       assembly(model, meter),
       evaluator(assembly),
       terms(assembly),

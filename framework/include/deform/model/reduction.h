@@ -40,6 +40,9 @@ class DEFORM_API Reduction {
   /// Ties a component to others, which may be prescribed or tied themselves. Throws Error when
   /// there is no such node or component.
   void tie(const Tie& tie);
+  /// Makes it that of the world reflected at z = 0: changes the signs of what links z with x or y,
+  /// and of offsets of z. Done twice, it changes nothing.
+  void reflect();
 
   [[nodiscard]] bool prescribed(Index node, int component) const {
     return kind(node, component) == Kind::prescribed;
@@ -82,15 +85,11 @@ class DEFORM_API ReductionMap {
   using Row = std::vector<Tie::Part>;
   /// Empty for prescribed components.
   [[nodiscard]] Row row(const Freedom& freedom) const;
-  /// Changes sign of what links z with x or y, and of offsets of z: the reduction of the world
-  /// reflected at z = 0.
-  void reflect();
   [[nodiscard]] const std::vector<Tie>& ties() const { return ties_; }
   [[nodiscard]] const Reduction& reduction() const { return reduction_; }
 
  private:
   void complete(NodeVectors& r, bool with_offsets) const;
-  void make_rows();
 
   Reduction reduction_;
   std::vector<Tie> ties_;

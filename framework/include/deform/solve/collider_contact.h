@@ -53,7 +53,7 @@ class Mobility;
 class DEFORM_API ColliderContact {
  public:
   /// `map` must live as long.
-  ColliderContact(std::vector<Body> bodies, bool mirrored, const ReductionMap& map);
+  ColliderContact(std::vector<Body> bodies, const ReductionMap& map);
   ~ColliderContact();
   ColliderContact(const ColliderContact&) = delete;
   ColliderContact& operator=(const ColliderContact&) = delete;

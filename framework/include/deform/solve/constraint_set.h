@@ -42,7 +42,6 @@ class DEFORM_API ConstraintSet {
 
   Index nodes_;
   std::vector<Named<Constraint>> constraints_;
-  bool mirrored_;
   ReductionMap map_;
 };
 

@@ -52,8 +52,6 @@ struct ModelParts {
   std::vector<Body> bodies;
   /// Components that different constraints hold need a matrix, and so a solver, each.
   MakeSolvers make_solvers;
-  /// Mirrored at z = 0: forces and constraints are those of the unmirrored world, reflected.
-  bool mirrored = false;
 };
 
 }  // namespace deform

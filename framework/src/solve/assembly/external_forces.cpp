@@ -8,18 +8,9 @@
 #include "plugin/guard.h"
 
 namespace deform {
-namespace {
-
-/// Reflection at z = 0.
-void reflect(const NodeVectors& from, NodeVectors& to) {
-  to = from;
-  to.col(2) *= -1;
-}
-
-}  // namespace
 
 ExternalForces::ExternalForces(const ModelParts& parts)
-    : forces_(parts.forces), areas_(parts.areas), mass_(parts.mass), mirrored_(parts.mirrored) {
+    : forces_(parts.forces), areas_(parts.areas), mass_(parts.mass) {
   for (const auto& f : forces_) {
     traits_.push_back(guarded(f.origin, "saying what it is", [&] { return f.object->traits(); }));
     needs_normals_ = needs_normals_ || traits_.back().normals;
@@ -36,35 +27,26 @@ ExternalForces::ExternalForces(const ModelParts& parts)
   }
 }
 
-ExternalForces::World ExternalForces::world_of(const State& state, const NodeVectors& normals) {
-  if (!mirrored_) return {state.time, state.r, state.v, normals};
-  reflect(state.r, r_);
-  reflect(state.v, v_);
-  reflect(normals, n_);
-  n_ *= -1;  // a normal is a pseudovector: the reflected surface's is the negative reflection
-  return {state.time, r_, v_, n_};
-}
-
-NodeBlock ExternalForces::block_of(const World& world, Index first, Index size) const {
+NodeBlock ExternalForces::block_of(const State& state, const NodeVectors& normals, Index first,
+                                   Index size) const {
   return {.first = first,
           .size = size,
-          .time = world.time,
-          .r = rows_from(world.r, first),
-          .v = rows_from(world.v, first),
-          .normal = needs_normals_ ? rows_from(world.normals, first) : ConstVectors{},
+          .time = state.time,
+          .r = rows_from(state.r, first),
+          .v = rows_from(state.v, first),
+          .normal = needs_normals_ ? rows_from(normals, first) : ConstVectors{},
           .area = {areas_.data() + first, static_cast<std::size_t>(size)},
           .mass = {mass_.data() + first, static_cast<std::size_t>(size)},
-          .all_r = needs_neighbours_ ? rows_from(world.r, 0) : ConstVectors{},
-          .all_v = needs_neighbours_ ? rows_from(world.v, 0) : ConstVectors{}};
+          .all_r = needs_neighbours_ ? rows_from(state.r, 0) : ConstVectors{},
+          .all_v = needs_neighbours_ ? rows_from(state.v, 0) : ConstVectors{}};
 }
 
 /// Calls visit(force field, block of nodes) for all of both, or of one field, blocks in parallel.
 template <class Visit>
 void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals,
                                   const Named<ForceField>* only, const Visit& visit) {
-  const World world = world_of(state, normals);
   parallel_blocks(state.r.rows(), kBlock, [&](Index first, Index size) {
-    const NodeBlock block = block_of(world, first, size);
+    const NodeBlock block = block_of(state, normals, first, size);
     for (std::size_t i = 0; i < forces_.size(); ++i)
       if (only == nullptr || only == &forces_[i])
         guarded(forces_[i].origin, "computing its force",
@@ -75,15 +57,10 @@ void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals
 void ExternalForces::add_force(const State& state, const NodeVectors& normals, NodeVectors& f,
                                const Named<ForceField>* only) {
   if (forces_.empty()) return;
-  // Reflected and back with all that is in f already: the sums are then those of the unmirrored
-  // run, bit by bit.
-  if (mirrored_) reflect(f, f_);
-  NodeVectors& sum = mirrored_ ? f_ : f;
   visit_blocks(state, normals, only,
                [&](const ForceField& field, const ForceTraits&, const NodeBlock& block) {
-                 field.add_force(block, rows_from(sum, block.first));
+                 field.add_force(block, rows_from(f, block.first));
                });
-  if (mirrored_) reflect(f_, f);
 }
 
 void ExternalForces::add_tangent(const State& state, const NodeVectors& normals,
@@ -117,9 +94,7 @@ bool ExternalForces::add_conservative_stiffness(const State& state, const NodeVe
 
 void ExternalForces::add_exact_tangent(const State& state, const NodeVectors& normals, double rate,
                                        BlockMatrix& k, const Named<ForceField>* only) {
-  const World world = world_of(state, normals);
-  const NodeBlock nodes = block_of(world, 0, state.r.rows());
-  const Vec3 reflection(1, 1, mirrored_ ? -1 : 1);
+  const NodeBlock nodes = block_of(state, normals, 0, state.r.rows());
   const Eigen::Matrix3d zero = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < forces_.size(); ++i) {
     if (only != nullptr && only != &forces_[i]) continue;
@@ -136,7 +111,7 @@ void ExternalForces::add_exact_tangent(const State& state, const NodeVectors& no
       Eigen::Matrix3d block = blocks_[p];
       if (damps) block += rate * damping_blocks_[p];
       if (a == b) block = (0.5 * (block + block.transpose())).eval();
-      k.block(a, b) += reflection.asDiagonal() * block * reflection.asDiagonal();
+      k.block(a, b) += block;
     }
   }
 }

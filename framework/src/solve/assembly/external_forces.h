@@ -1,4 +1,4 @@
-/// The force fields of a model, seen in the world they were written for even in a mirrored run.
+/// The force fields of a model, as a whole.
 #pragma once
 
 #include <algorithm>
@@ -62,13 +62,8 @@ class ExternalForces {
   void visit_blocks(const State& state, const NodeVectors& normals, const Named<ForceField>* only,
                     const Visit& visit);
 
-  /// What the fields see, reflected in a mirrored run; a view.
-  struct World {
-    double time;
-    const NodeVectors &r, &v, &normals;
-  };
-  [[nodiscard]] World world_of(const State& state, const NodeVectors& normals);
-  [[nodiscard]] NodeBlock block_of(const World& world, Index first, Index size) const;
+  [[nodiscard]] NodeBlock block_of(const State& state, const NodeVectors& normals, Index first,
+                                   Index size) const;
 
   const std::vector<Named<ForceField>> forces_;
   std::vector<ForceTraits> traits_;
@@ -76,9 +71,7 @@ class ExternalForces {
   std::vector<Eigen::Matrix3d> blocks_, damping_blocks_;
   const NodeValues areas_;
   const NodeValues mass_;
-  bool mirrored_;
   bool needs_normals_ = false, needs_neighbours_ = false;
-  NodeVectors r_, v_, n_, f_;  // reflected
   NodeValues potential_;
 };
 

@@ -32,12 +32,6 @@ constexpr double kSameSide = 0.5;
 /// What ends farther outside of a body than this part of its way does not slide along it.
 constexpr double kSlides = 1e-3;
 
-/// Reflection at z = 0.
-NodeVectors reflected(NodeVectors v) {
-  v.col(2) *= -1;
-  return v;
-}
-
 /// Whether a node follows others.
 bool is_tied(const Mobility& mobility, Index node) {
   for (int c = 0; c < 3; ++c)
@@ -49,7 +43,7 @@ bool is_tied(const Mobility& mobility, Index node) {
 }  // namespace
 
 struct ColliderContact::Impl {
-  Impl(std::vector<Body> of, bool is_mirrored, const ReductionMap& map);
+  Impl(std::vector<Body> of, const ReductionMap& map);
 
   /// Amends `after`, which a step of so many seconds made of `before` (N × 3). Returns the nodes
   /// that it amended, ascending.
@@ -89,12 +83,11 @@ struct ColliderContact::Impl {
 
   std::vector<Body> bodies;
   std::vector<bool> is_convex;
-  bool mirrored;
   Mobility mobility;
 };
 
-ColliderContact::Impl::Impl(std::vector<Body> of, bool is_mirrored, const ReductionMap& map)
-    : bodies(std::move(of)), mirrored(is_mirrored), mobility(map) {
+ColliderContact::Impl::Impl(std::vector<Body> of, const ReductionMap& map)
+    : bodies(std::move(of)), mobility(map) {
   for (const Body& body : bodies)
     is_convex.push_back(guarded(body.collider.origin, "saying whether it is convex",
                                 [&] { return body.collider.object->is_convex(); }));
@@ -102,18 +95,15 @@ ColliderContact::Impl::Impl(std::vector<Body> of, bool is_mirrored, const Reduct
 
 void ColliderContact::Impl::measure(const Body& body, double time, const NodeVectors& points,
                                     NodeValues& distance, NodeVectors& normal) const {
-  const NodeVectors there = mirrored ? reflected(points) : NodeVectors();  // the scene's world
-  const NodeVectors& p = mirrored ? there : points;
-  distance.resize(p.rows());
-  normal.resize(p.rows(), 3);
-  parallel_blocks(p.rows(), kBlock, [&](Index first, Index size) {
+  distance.resize(points.rows());
+  normal.resize(points.rows(), 3);
+  parallel_blocks(points.rows(), kBlock, [&](Index first, Index size) {
     guarded(body.collider.origin, "measuring distances", [&] {
-      body.collider.object->measure(time, rows_from(p, first),
+      body.collider.object->measure(time, rows_from(points, first),
                                     {distance.data() + first, static_cast<std::size_t>(size)},
                                     rows_from(normal, first));
     });
   });
-  if (mirrored) normal.col(2) *= -1;
   require_finite(distance, "a distance", body.collider.origin, body.collider.name);
   require_finite(normal, "a normal", body.collider.origin, body.collider.name);
 }
@@ -324,8 +314,8 @@ void ColliderContact::Impl::require_outside(const NodeVectors& r, double slack) 
   if (!problems.empty()) throw InputError(std::move(problems));
 }
 
-ColliderContact::ColliderContact(std::vector<Body> bodies, bool mirrored, const ReductionMap& map)
-    : impl_(std::make_unique<Impl>(std::move(bodies), mirrored, map)) {}
+ColliderContact::ColliderContact(std::vector<Body> bodies, const ReductionMap& map)
+    : impl_(std::make_unique<Impl>(std::move(bodies), map)) {}
 ColliderContact::~ColliderContact() = default;
 std::size_t ColliderContact::bodies() const { return impl_->bodies.size(); }
 const Mobility& ColliderContact::mobility() const { return impl_->mobility; }
