@@ -15,7 +15,7 @@ struct ImplicitParameters : StepControl {
   static void declare(Declaration<Parameters>& d) {
     StepControl::declare(d);
     d("tolerance", &ImplicitParameters::tolerance, "1",
-      "of the force that is left over, relative to the forces at work")
+      "of the residual force, relative to the forces at work")
         .above(0);
     d("iterations", &ImplicitParameters::iterations, "",
       "of Newton's method in a step, at most; then half the step is tried")

@@ -17,7 +17,7 @@ struct Parameters {
   bool linear = false;
   static void declare(Declaration<Parameters>& d) {
     d("tolerance", &Parameters::tolerance, "1",
-      "of the force that is left over, relative to the forces at work")
+      "of the residual force, relative to the forces at work")
         .above(0);
     d("iterations", &Parameters::iterations, "", "of Newton's method in a load step, at most")
         .at_least(1);

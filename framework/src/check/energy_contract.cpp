@@ -243,7 +243,7 @@ void check_reading(const JetTerm& term, const Surface& surface, const NodeVector
 void check_normal_tangents(const JetTerm& term, const JetBench& bench, Checks& checks) {
   if (!term.traits().potential) return;
   for (const Tangent kind :
-       {Tangent::exact, Tangent::projected, Tangent::gauss_newton, Tangent::foreseen})
+       {Tangent::exact, Tangent::projected, Tangent::gauss_newton, Tangent::mixed})
     if (term.has_normal_tangent(kind))
       checks.below("tangents along the normal: those that `tangent` gives, relative",
                    bench.normal_tangent_error(kind), 1e-12);

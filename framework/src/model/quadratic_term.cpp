@@ -29,9 +29,9 @@ void find_change(const SampleBlock& block, Form which, BlockTensor& x) {
              x[static_cast<std::size_t>(slot(a))].data());
 }
 
-/// G − G⁰ as it was foreseen at the lagged state: δG_ij = r_i·δr_j + r_j·δr_i without δr_i·δr_j;
+/// G − G⁰ as it was predicted at the lagged state: δG_ij = r_i·δr_j + r_j·δr_i without δr_i·δr_j;
 /// over a step, whose end moves by 2 δr, without 2 δr_i·δr_j.
-void find_foreseen_change(const SampleBlock& block, BlockTensor& x) {
+void find_predicted_change(const SampleBlock& block, BlockTensor& x) {
   find_change(block, Form::metric, x);
   const double part = block.now.has_mean_strains() ? 2 : 1;
   for (Index s = 0; s < block.size(); ++s) {
@@ -113,8 +113,8 @@ void add_metric_tangent(const SampleBlock& block, const FormStiffness& C, Tangen
   if (kind == Tangent::gauss_newton) return add_metric_tangent(block.now, C, nullptr, h);
   const Index size = block.size();
   BlockTensor x, K;
-  if (kind == Tangent::foreseen)
-    find_foreseen_change(block, x);
+  if (kind == Tangent::mixed)
+    find_predicted_change(block, x);
   else
     find_change(block, Form::metric, x);
   multiply(C, x, size, K);

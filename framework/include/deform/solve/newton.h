@@ -28,7 +28,7 @@ class DEFORM_API Objective {
   /// What searches lower at a state: Φ or |F|; infinite where it cannot be evaluated.
   [[nodiscard]] virtual double merit(State& state) = 0;
   /// Evaluates F and its tangent at a state; `before`: positions before the last straight step, for
-  /// Tangent::foreseen, or empty. Returns |F| [N].
+  /// Tangent::mixed, or empty. Returns |F| [N].
   [[nodiscard]] virtual double evaluate(State& state, Tangent kind, const NodeVectors& before) = 0;
   /// Evaluates F alone.
   [[nodiscard]] virtual double evaluate_residual(State& state) = 0;

@@ -21,7 +21,7 @@ class System;
 /// Which tangent.
 struct TangentRequest {
   Tangent kind = Tangent::exact;
-  /// Positions (N × 3) before the last Newton step, for Tangent::foreseen.
+  /// Positions (N × 3) before the last Newton step, for Tangent::mixed.
   const NodeVectors* before = nullptr;
   /// dv/dr of an implicit step [1/s], for what depends on velocities: where v = (r − b)·rate, its
   /// −∂f/∂v (or what bounds it) times `rate` is added.

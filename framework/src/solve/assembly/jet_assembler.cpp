@@ -140,7 +140,7 @@ Geometry::Detail JetAssembler::detail() const {
     const bool has_normals = term.has_normal_tangent(Tangent::projected) ||
                              term.has_normal_tangent(Tangent::gauss_newton) ||
                              term.has_normal_tangent(Tangent::exact) ||
-                             term.has_normal_tangent(Tangent::foreseen);
+                             term.has_normal_tangent(Tangent::mixed);
     return std::max(term.reads(), has_normals ? Geometry::Detail::first : Geometry::Detail::none);
   };
   auto most = Geometry::Detail::none;

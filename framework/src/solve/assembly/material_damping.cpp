@@ -100,7 +100,7 @@ void MaterialDamping::add_tangent(const StateGeometry& now, Strains* strains, Ta
     const std::vector<double> over_step = factors(true, strains);
     const auto since =
         terms_->geometries_of_sets([&](std::size_t i) { return since_begun(i, now, strains); });
-    tangents_->assemble({since, kind == Tangent::foreseen ? Tangent::exact : kind, over_step}, k,
+    tangents_->assemble({since, kind == Tangent::mixed ? Tangent::exact : kind, over_step}, k,
                         true);
   }
   if (rate == 0 || !is_any_by_velocity(strains)) return;

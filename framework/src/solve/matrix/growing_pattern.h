@@ -21,6 +21,8 @@ class GrowingPattern {
   GrowingPattern(const GrowingPattern&) = delete;
   GrowingPattern& operator=(const GrowingPattern&) = delete;
 
+  /// Whether it has more blocks than its base, whose rows are not the matrix' then.
+  [[nodiscard]] bool is_grown() const { return is_grown_; }
   /// Sees to it that the matrix has a block for each entry; values stay. Returns whether its
   /// pattern has changed. Throws std::out_of_range where a node is none.
   bool grow(std::span<const BlockEntry> entries);

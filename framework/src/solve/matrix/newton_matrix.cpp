@@ -78,11 +78,11 @@ TangentSolver& NewtonMatrix::Impl::made_solver() {
 bool NewtonMatrix::Impl::make_rows(const StateGeometry& now, const TangentBuilder::TakeRows& take) {
   ModelTerms& terms = parts->assembly.terms;
   Strains* const strains = impl_of(request.strains);
-  const bool is_foreseen = request.kind == Tangent::foreseen && before.rows() > 0;
-  const auto earlier = is_foreseen ? terms.geometry_at(before) : nullptr;
+  const bool is_mixed = request.kind == Tangent::mixed && before.rows() > 0;
+  const auto earlier = is_mixed ? terms.geometry_at(before) : nullptr;
   const auto geometries = terms.geometries_of_sets([&](std::size_t i) -> Geometries {
     const Geometries of = terms.geometries(i, now, strains);
-    return is_foreseen ? Geometries{of.now, earlier->of_set[i], of.rest, nullptr, of.mean} : of;
+    return is_mixed ? Geometries{of.now, earlier->of_set[i], of.rest, nullptr, of.mean} : of;
   });
   return parts->assembly.tangents.make_rows({geometries, request.kind, {}}, take);
 }
@@ -141,7 +141,8 @@ void NewtonMatrix::evaluate(const State& state, const TangentRequest& request) {
   i.diagonal = i.stiffness + request.rate * i.damping;
   bool is_finite = i.stiffness.allFinite() && i.damping.allFinite();
   const bool has_more = i.has_more_than_rows(request.rate, strains);
-  if (request.for_directions && !has_more && i.made_solver().takes_rows()) {
+  const bool are_rows_all = request.for_directions && !has_more && !i.pattern.is_grown();
+  if (are_rows_all && i.made_solver().takes_rows()) {
     is_finite &= i.give_to_solver(*now);
   } else {
     is_finite &= i.make_whole(*now);

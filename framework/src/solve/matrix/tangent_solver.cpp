@@ -132,7 +132,8 @@ std::string TangentSolver::solve_to_tolerance(double tolerance, bool must_be_def
     if (outcome == Outcome::indefinite && !must_be_definite)
       return iterative_.name + ": not positive definite";
     if (outcome == Outcome::solved && x.allFinite()) return "";
-    const std::string handover = "solver " + iterative_.name + " leaves a matrix to a factorisation";
+    const std::string handover =
+        "solver " + iterative_.name + " leaves a matrix to a factorisation";
     if (source_.is_new(handover)) log::info(handover + ": " + why_left(outcome));
     std::string reason;
     try {

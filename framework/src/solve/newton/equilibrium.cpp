@@ -140,7 +140,7 @@ double Equilibrium::Impl::evaluate(State& state, Tangent kind, const NodeVectors
   system_->evaluator().force(state, force_);
   if (has_potential_)
     matrix->evaluate(
-        state, {.kind = before.rows() > 0 || kind != Tangent::foreseen ? kind : Tangent::exact,
+        state, {.kind = before.rows() > 0 || kind != Tangent::mixed ? kind : Tangent::exact,
                 .before = before.rows() > 0 ? &before : nullptr});
   const double norm = find_residual();
   if (start_residual_ == 0) start_residual_ = norm;

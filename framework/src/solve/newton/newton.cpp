@@ -206,7 +206,7 @@ double Newton::Impl::go_farther(double s, double there, double longest_step, Sta
 
 /// One step as it comes, but for the angle that it may rotate by: the merit need not fall at once,
 /// as steps into what a thin sheet resists most are taken back by the next. After a straight step
-/// the next tangent is that of the stress which this one foresaw. Returns whether the merit is the
+/// the next tangent is that of the stress which this one predicted. Returns whether the merit is the
 /// lowest now; if not, it may be back where it was.
 bool Newton::Impl::take_watched_step(State& state, double longest_step) {
   const Span span("step along the direction");
@@ -214,7 +214,7 @@ bool Newton::Impl::take_watched_step(State& state, double longest_step) {
   if (patience == 0) tried = std::min(rotation, path.angle());
   const double s = std::min({1.0, longest_step, rotation / std::max(path.angle(), 1e-300)});
   path.at(s, state.r);
-  next = path.is_straight() ? Tangent::foreseen : Tangent::exact;
+  next = path.is_straight() ? Tangent::mixed : Tangent::exact;
   const double merit = go_farther(s, f->merit(state), longest_step, state);
   if (merit < lowest.merit) {
     remember(state, merit);
@@ -234,7 +234,7 @@ bool Newton::Impl::take_whole_step(State& state, double longest_step) {
   if (kind == Tangent::projected || !(longest_step >= 1)) return false;
   before = state.r;
   path.at(1, state.r);
-  next = Tangent::foreseen;
+  next = Tangent::mixed;
   ++patience;
   return true;
 }

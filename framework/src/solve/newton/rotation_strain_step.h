@@ -14,10 +14,10 @@ namespace deform {
 
 /// A straight step r + s d along a direction that turns the surface by an angle θ stretches it by
 /// θ²/2, which a thin sheet resists so much that a search along straight lines hardly moves. A
-/// turning step splits the change d_b − d_a of each link e = r_b − r_a (two corners of a face) into
-/// the turn ω × e of its neighbourhood and the rest η, and takes the links to R(s ω)(e + s η),
-/// R: a rotation by a finite angle; positions fit these best. To first order in s both steps are
-/// the same. (Rotation–strain coordinates; Huang et al. 2011, for displacements between modes.)
+/// rotation–strain step splits the change d_b − d_a of each link e = r_b − r_a (two corners of a
+/// face) into the turn ω × e of its neighbourhood and the rest η, and takes the links to R(s ω)(e +
+/// s η), R: a rotation by a finite angle; positions fit these best. To first order in s both steps
+/// are the same. (Rotation–strain coordinates; Huang et al. 2011, for displacements between modes.)
 class RotationStrainStep {
  public:
   struct Link {

@@ -118,8 +118,8 @@ double StageObjective::evaluate(State& state, Tangent kind, const NodeVectors& b
     system_->evaluator().force(state, force_, strains_);
     return residual(state);
   }
-  const bool is_foreseen = kind == Tangent::foreseen && before.rows() > 0;
-  evaluate_tangent(state, kind, is_foreseen ? &before : nullptr);
+  const bool is_mixed = kind == Tangent::mixed && before.rows() > 0;
+  evaluate_tangent(state, kind, is_mixed ? &before : nullptr);
   if (has_nonconservative_) {
     const NodeVectors force = system_->evaluator().nonconservative_force(state, strains_);
     path_ = {state.r, force, path_.work + work_to(state, force)};
