@@ -124,7 +124,7 @@ class Static final : public Integrator {
     NewtonMatrix& tangent = equilibrium_.matrix();
     tangent.evaluate(state);
     const bool has_potential = equilibrium_.has_potential();
-    if (has_potential && tangent.factor(NodeValues::Zero(system.nodes())).empty()) return;
+    if (has_potential && tangent.factor(NodeValues::Zero(system.rows())).empty()) return;
     const std::optional<NewtonMatrix::Stability> found = stability();
     if (!found || found->negative == 0) return;
     const std::string eigenvalues =

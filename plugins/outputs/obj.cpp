@@ -92,8 +92,9 @@ class Obj final : public Output {
   void write(const Frame& frame) override {
     const Faces& faces = frame.system.surface().faces();
     TextFile file(folder_ / outputs::numbered_name("surface", frame.step, "obj"));
-    file.vectors("v", frame.state.r);
-    file.vectors("vn", node_normals(faces, frame.state.r));
+    const NodeVectors positions = frame.positions();
+    file.vectors("v", positions);
+    file.vectors("vn", node_normals(faces, positions));
     file.faces(faces);
     file.commit();
   }

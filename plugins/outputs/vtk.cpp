@@ -237,16 +237,16 @@ class Vtk final : public Output {
   }
 
   void take_surface(const Frame& frame, Shot& shot) {
-    begin_shot(shot, frame, frame.state.r, surface_);
+    begin_shot(shot, frame, frame.positions(), surface_);
     shot.data->polygons(frame.system.surface().faces());
     shot.data->add("velocity", kept(shot, frame.state.v));
-    shot.data->add("displacement", kept(shot, frame.state.r - frame.system.rest()));
+    shot.data->add("displacement", kept(shot, frame.positions() - frame.system.rest()));
     for (const SampleFields& fields : on_nodes_)
       fields.add_to(shot, frame, &fields == &on_nodes_.front());
   }
 
   void take_cloud(Cloud& cloud, const Frame& frame, Shot& shot) {
-    begin_shot(shot, frame, cloud.fields.samples().apply(Derivative::d0, frame.state.r),
+    begin_shot(shot, frame, cloud.fields.samples().apply(Derivative::d0, frame.positions()),
                cloud.collection);
     shot.data->vertices();
     cloud.fields.add_to(shot, frame, true);

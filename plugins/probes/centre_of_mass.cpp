@@ -14,8 +14,8 @@ class CentreOfMass final : public Probe {
   }
 
   void measure(const Frame& frame, Values figures) override {
-    const NodeValues& mass = frame.system.mass();
-    const Vec3 centre = frame.state.r.transpose() * mass / mass.sum();
+    const auto mass = frame.system.mass().head(frame.system.nodes());
+    const Vec3 centre = frame.positions().transpose() * mass / mass.sum();
     for (std::size_t c = 0; c < 3; ++c) figures[c] = centre[static_cast<Index>(c)];
   }
 };

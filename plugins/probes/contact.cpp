@@ -19,7 +19,8 @@ class Contact final : public Probe {
 
   void measure(const Frame& frame, Values figures) override {
     std::ranges::fill(figures, kNoFigure);
-    const NodeValues at_nodes = frame.system.contact().clearance(frame.state.time, frame.state.r);
+    const NodeValues at_nodes =
+        frame.system.contact().clearance(frame.state.time, frame.positions());
     if (!std::isfinite(at_nodes.minCoeff())) return;  // there is no collider
     const NodeValues at_faces =
         frame.system.contact().clearance(frame.state.time, face_centres(frame));
@@ -37,7 +38,8 @@ class Contact final : public Probe {
   /// [m].
   static Index touching(const Frame& frame, const NodeValues& clearance, double within) {
     std::vector<NodeContact> contacts;
-    frame.system.contact().find(frame.state.time, frame.state.r, frame.state.r, within, contacts);
+    frame.system.contact().find(frame.state.time, frame.positions(), frame.positions(), within,
+                                contacts);
     std::vector<bool> touches(static_cast<std::size_t>(clearance.size()));
     for (Index a = 0; a < clearance.size(); ++a)
       touches[static_cast<std::size_t>(a)] = clearance[a] < within;
@@ -53,7 +55,7 @@ class Contact final : public Probe {
       const auto begin = faces.begin[static_cast<std::size_t>(f)];
       const auto end = faces.begin[static_cast<std::size_t>(f) + 1];
       for (auto k = begin; k < end; ++k)
-        centres.row(f) += frame.state.r.row(faces.nodes[static_cast<std::size_t>(k)]);
+        centres.row(f) += frame.positions().row(faces.nodes[static_cast<std::size_t>(k)]);
       centres.row(f) /= static_cast<double>(end - begin);
     }
     return centres;

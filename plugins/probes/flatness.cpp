@@ -18,7 +18,7 @@ class Flatness final : public Probe {
   [[nodiscard]] std::vector<ProbeColumn> columns() const override { return {{"flatness", "1"}}; }
 
   void measure(const Frame& frame, Values figures) override {
-    figures[0] = best_fit_plane(frame.state.r).rms_distance / size_;
+    figures[0] = best_fit_plane(frame.positions()).rms_distance / size_;
   }
 
  private:

@@ -70,7 +70,7 @@ class Folds final : public Probe {
   }
 
   void measure(const Frame& frame, Values figures) override {
-    const NodeVectors line = frame.state.r(hem_, Eigen::all);
+    const NodeVectors line = frame.positions()(hem_, Eigen::all);
     const NodeVectors smoothed = smooth_ * line;
     const std::vector<Index> folds = turns(sideways(line - smoothed), least_);
     figures[0] = static_cast<double>(folds.size());

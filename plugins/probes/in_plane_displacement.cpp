@@ -19,7 +19,7 @@ class InPlaneDisplacement final : public Probe {
   }
 
   void measure(const Frame& frame, Values figures) override {
-    const NodeVectors displacement = frame.state.r - frame.system.rest();
+    const NodeVectors displacement = frame.positions() - frame.system.rest();
     figures[0] = (displacement * axes_).cwiseAbs().maxCoeff();
   }
 

@@ -33,7 +33,7 @@ class LineStretch final : public Probe {
     return {{label_.empty() ? "line_stretch" : "line_stretch." + label_, "1"}};
   }
   void measure(const Frame& frame, Values figures) override {
-    figures[0] = length_of(line_, frame.state.r) / rest_ - 1;
+    figures[0] = length_of(line_, frame.positions()) / rest_ - 1;
   }
 
  private:

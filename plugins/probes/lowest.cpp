@@ -12,7 +12,7 @@ class Lowest final : public Probe {
   [[nodiscard]] std::vector<ProbeColumn> columns() const override { return {{"lowest", "m"}}; }
 
   void measure(const Frame& frame, Values figures) override {
-    figures[0] = frame.state.r.col(2).minCoeff();
+    figures[0] = frame.positions().col(2).minCoeff();
   }
 };
 

@@ -35,9 +35,9 @@ class MirrorAsymmetry final : public Probe {
   void measure(const Frame& frame, Values figures) override {
     figures[0] = kNoFigure;
     if (diverged_ || companion_->steps() != frame.step) return;
-    NodeVectors difference = companion_->state().r;
+    NodeVectors difference = companion_->state().r.topRows(frame.system.nodes());
     difference.col(2) *= -1;
-    difference -= frame.state.r;
+    difference -= frame.positions();
     figures[0] = difference.rowwise().norm().maxCoeff();
   }
 

@@ -22,12 +22,12 @@ class Momentum final : public Probe {
   }
 
   void measure(const Frame& frame, Values figures) override {
-    const NodeValues& mass = frame.system.mass();
+    const auto mass = frame.system.mass().head(frame.system.nodes());
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
     for (Index a = 0; a < mass.size(); ++a) {
       const Vec3 p = mass[a] * frame.state.v.row(a).transpose();
       linear += p;
-      angular += Vec3(frame.state.r.row(a)).cross(p);
+      angular += Vec3(frame.positions().row(a)).cross(p);
     }
     for (std::size_t c = 0; c < 3; ++c) {
       figures[c] = linear[static_cast<Index>(c)];

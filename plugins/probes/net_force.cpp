@@ -20,8 +20,10 @@ class NetForce final : public Probe {
     const System& system = frame.system;
     Vec3 internal = Vec3::Zero();
     for (std::size_t term = 0; term < system.energies().size(); ++term)
-      internal += system.terms().internal_force(term, frame.state).colwise().sum();
-    const Vec3 external = system.terms().external_force(frame.state).colwise().sum();
+      internal +=
+          system.terms().internal_force(term, frame.state).topRows(system.nodes()).colwise().sum();
+    const Vec3 external =
+        system.terms().external_force(frame.state).topRows(system.nodes()).colwise().sum();
     for (std::size_t c = 0; c < 3; ++c) {
       figures[c] = internal[static_cast<Index>(c)];
       figures[3 + c] = external[static_cast<Index>(c)];

@@ -29,7 +29,7 @@ class NetTorque final : public Probe {
 
   void measure(const Frame& frame, Values figures) override {
     const System& system = frame.system;
-    const NodeVectors& r = frame.state.r;
+    const NodeVectors r = frame.positions();
     const Vec3 centroid = r.colwise().mean();
     Vec3 internal = Vec3::Zero();
     for (std::size_t term = 0; term < system.energies().size(); ++term)

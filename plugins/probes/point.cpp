@@ -28,7 +28,7 @@ class Point final : public Probe {
   }
 
   void measure(const Frame& frame, Values figures) override {
-    const Vec3 now = mean(frame.state.r);
+    const Vec3 now = mean(frame.positions());
     for (int c = 0; c < 3; ++c) {
       figures[static_cast<std::size_t>(c)] = now[c];
       figures[static_cast<std::size_t>(c) + 3] = now[c] - initial_[c];

@@ -291,8 +291,8 @@ constexpr const char* kCureOfTangents =
     "`tangent` or `dependence` is wrong; where there is no `stress`, tangents are differences of "
     "differences, which `stress` makes exact to 1e-9";
 
-void check_operator(const System& system, std::size_t term, const TermTraits& traits, const State& state,
-                    Checks& checks) {
+void check_operator(const System& system, std::size_t term, const TermTraits& traits,
+                    const State& state, Checks& checks) {
   if (traits.lagged == Lagged::none) return;
   checks.below("lagged operator: f = c − K r where it is lagged", lagged_error(system, term, state),
                1e-10);
@@ -304,11 +304,13 @@ void check_operator(const System& system, std::size_t term, const TermTraits& tr
 }
 
 /// Energy and force of the rest state turned and moved, against those of the disturbed one.
-void report_rigid_motion(const System& system, std::size_t term, const State& state, Checks& checks) {
-  State moved{system.rest(), NodeVectors::Zero(system.nodes(), 3), 0};
+void report_rigid_motion(const System& system, std::size_t term, const State& state,
+                         Checks& checks) {
+  State moved = system.at_rest();
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(1.1, Vec3(1, -2, 0.7).normalized()).toRotationMatrix();
-  moved.r = (moved.r * turn.transpose()).eval().rowwise() + Eigen::RowVector3d(3, -1, 2);
+  auto r = moved.r.topRows(system.nodes());
+  r = (r * turn.transpose()).eval().rowwise() + Eigen::RowVector3d(3, -1, 2);
   const double scale = system.terms().internal_force(term, state).norm();
   const double force = system.terms().internal_force(term, moved).norm();
   checks.report("force after a rigid motion of the rest state, relative",
@@ -317,7 +319,7 @@ void report_rigid_motion(const System& system, std::size_t term, const State& st
 
 void check_mechanics_of(const System& system, std::size_t term, bool one_frame, Checks& checks) {
   const TermTraits traits = system.energies()[term].object->traits();
-  const State state = disturbed(system.rest(), kStrain);
+  const State state = disturbed(system, kStrain);
   const NodeVectors force = system.terms().internal_force(term, state);
   checks.holds("force is finite", force.allFinite(),
                what_is_not_finite(numbers_of(force), [&](std::size_t i) {
@@ -338,7 +340,7 @@ void check_mechanics_of(const System& system, std::size_t term, bool one_frame, 
     checks.report("force against −gradient of the energy, relative",
                   gradient_error(system, term, state));
   check_operator(system, term, traits, state, checks);
-  const Momenta sums = momenta(force, state.r);
+  const Momenta sums = momenta(force.topRows(system.nodes()), state.r.topRows(system.nodes()));
   checks.report("|Σ f| / Σ |f|: momentum", sums.force);
   checks.report("|Σ r×f| / Σ |r||f|: angular momentum", sums.torque);
   report_rigid_motion(system, term, state, checks);
@@ -346,7 +348,7 @@ void check_mechanics_of(const System& system, std::size_t term, bool one_frame, 
 
 /// Tangents of the whole system: there is nothing else in its scene.
 void check_tangents(const System& system, Checks& checks) {
-  const State state = disturbed(system.rest(), kStrain);
+  const State state = disturbed(system, kStrain);
   checks.below("exact tangent = −derivative of the force", tangent_error(system, state),
                limit_of(tangent_resolution(system, state)), kCureOfTangents);
   for (const Tangent kind : {Tangent::projected, Tangent::gauss_newton})

@@ -71,6 +71,15 @@ State disturbed(const NodeVectors& rest, double strain) {
   return state;
 }
 
+State disturbed(const System& system, double strain) {
+  State state = system.at_rest();
+  state.r.topRows(system.nodes()) = disturbed(system.rest(), strain).r;
+  std::mt19937 random(4321);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (Index a = system.nodes(); a < system.rows(); ++a) state.r(a, 0) += strain * uniform(random);
+  return state;
+}
+
 double gradient_error(const System& system, std::size_t term, State state) {
   constexpr double h = 1e-5;
   const NodeVectors force = system.terms().internal_force(term, state);

@@ -9,6 +9,7 @@ namespace deform {
 EnergyTerm::~EnergyTerm() = default;
 JetTerm::~JetTerm() = default;
 TupleTerm::~TupleTerm() = default;
+std::vector<ScalarUnknown> TupleTerm::scalars() const { return {}; }
 CompoundTerm::~CompoundTerm() = default;
 
 std::vector<Coupling> couplings_among(std::initializer_list<Derivative> derivatives) {

@@ -54,7 +54,7 @@ double EnergyFigures::scale() const { return turnover + largest_kinetic + std::a
 
 struct EnergyAccount::Impl {
   explicit Impl(const System& system)
-      : nodes(system.nodes()), reduction(system.constraints().reduction()) {
+      : nodes(system.rows()), reduction(system.constraints().reduction()) {
     for (int c = 0; c < 3; ++c)
       for (Index a = 0; a < nodes; ++a)
         any_prescribed = any_prescribed || reduction.reduction().prescribed(a, c);

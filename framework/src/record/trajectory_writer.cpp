@@ -58,7 +58,7 @@ void TrajectoryWriter::record(const Frame& frame) {
   frame_.clear();
   append(frame_, static_cast<std::int64_t>(frame.step));
   append(frame_, frame.state.time);
-  append_matrix(frame_, frame.state.r);
+  append_matrix(frame_, NodeVectors(frame.positions()));
   for (const std::vector<float>& values : fields_.evaluate(frame)) {
     append(frame_, std::span<const float>(values));
   }

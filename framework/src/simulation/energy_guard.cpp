@@ -57,8 +57,8 @@ bool is_unchanged(const Frame& frame, double earlier) {
     if (!is_same(system.terms().energy(i, at_earlier), system.terms().energy(i, frame.state)))
       return false;
   if (system.contact().bodies() > 0 &&
-      system.contact().clearance(earlier, frame.state.r) !=
-          system.contact().clearance(frame.state.time, frame.state.r))
+      system.contact().clearance(earlier, frame.positions()) !=
+          system.contact().clearance(frame.state.time, frame.positions()))
     return false;
   return is_same(system.terms().external_potential(at_earlier),
                  system.terms().external_potential(frame.state));

@@ -26,10 +26,12 @@ bool has_own_impulses(const System& system) {
   return system.contact().bodies() > 0;
 }
 
-Vec3 momentum(const System& system, const NodeVectors& v) { return v.transpose() * system.mass(); }
+Vec3 momentum(const System& system, const NodeVectors& v) {
+  return v.topRows(system.nodes()).transpose() * system.mass().head(system.nodes());
+}
 
 double momenta(const System& system, const NodeVectors& v) {
-  return v.rowwise().norm().dot(system.mass());
+  return v.topRows(system.nodes()).rowwise().norm().dot(system.mass().head(system.nodes()));
 }
 
 }  // namespace
@@ -41,16 +43,19 @@ bool MomentumGuard::watches(long steps) const { return is_known_ && !warned_ && 
 
 MomentumGuard::Sum MomentumGuard::sum(const Frame& frame, NodeVectors loads) {
   loads += frame.system.evaluator().damping_force(frame.state);
-  return {.vector = loads.colwise().sum().transpose(), .sizes = loads.rowwise().norm().sum()};
+  const auto of_nodes = loads.topRows(frame.system.nodes());
+  return {.vector = of_nodes.colwise().sum().transpose(), .sizes = of_nodes.rowwise().norm().sum()};
 }
 
 /// A term that holds the surface to places in space pulls where all of it is moved.
 bool MomentumGuard::has_internal_net_force(const Frame& frame) {
   constexpr double kTolerance = 1e-6;
   State moved = frame.state;
-  moved.r.rowwise() += Eigen::RowVector3d(0.3, 0.5, 0.7) * characteristic_length(moved.r);
+  auto r = moved.r.topRows(frame.system.nodes());
+  r.rowwise() += Eigen::RowVector3d(0.3, 0.5, 0.7) * characteristic_length(frame.positions());
   for (std::size_t i = 0; i < frame.system.energies().size(); ++i) {
-    const NodeVectors f = frame.system.terms().internal_force(i, moved);
+    const NodeVectors f =
+        frame.system.terms().internal_force(i, moved).topRows(frame.system.nodes());
     if (f.colwise().sum().norm() > kTolerance * f.rowwise().norm().sum()) return true;
   }
   return false;

@@ -127,6 +127,7 @@ struct Simulation::Impl {
   [[nodiscard]] std::function<std::vector<Named<LinearSolver>>()> solver_factory(
       PartMaker& maker, const std::shared_ptr<Surface>& surface);
   void check_solver(const MakeSolvers& make_solvers);
+  void require_masses() const;
   void measure_rest();
   void set_initial_state();
   void advance_by_parts(const AtBreak& at_break);
@@ -213,6 +214,7 @@ void Simulation::Impl::make_system() {
   keep<Integrator>(PluginKind::integrator, {integrator});
   const auto make_solvers = parts.make_solvers;
   system = std::make_unique<System>(std::move(parts));
+  require_masses();
   if (scene.solver) check_solver(make_solvers);
 }
 
@@ -277,6 +279,21 @@ std::function<std::vector<Named<LinearSolver>>()> Simulation::Impl::solver_facto
   };
 }
 
+/// An explicit step divides by masses, and a semi-implicit one by what they give its matrix.
+void Simulation::Impl::require_masses() const {
+  const auto has_none = [](const ScalarUnknown& s) { return s.mass == 0; };
+  if (std::ranges::none_of(system->scalars(), has_none)) return;
+  if (asked(integrator, [](const Integrator& i) { return i.solves(); }) ==
+      Integrator::Solves::tangents)
+    return;
+  throw InputError(
+      {{"/integrator", fmt::format("at /integrator: found \"{}\", expected one that solves with "
+                                   "tangents (\"backward_euler\", \"bdf2\", "
+                                   "\"implicit_midpoint\", \"static\"): some energy has a scalar "
+                                   "unknown without mass",
+                                   integrator.name)}});
+}
+
 void Simulation::Impl::measure_rest() {
   centroid = rest.colwise().mean().transpose();
   size = characteristic_length(rest);
@@ -284,18 +301,20 @@ void Simulation::Impl::measure_rest() {
 
 void Simulation::Impl::set_initial_state() {
   const Surface& surface = system->surface();
-  state.r = mirrored ? reflected(surface.initial()) : surface.initial();
+  const Index nodes = system->nodes();
+  state = system->at_rest();
+  state.r.topRows(nodes) = mirrored ? reflected(surface.initial()) : surface.initial();
   system->constraints().prescribe(0.0, state.r);
   system->contact().require_outside(state.r, 1e-6 * size);
 
   // The scene speaks of the unmirrored world, whose spin is not turned round but reflected.
   const auto into_this_world = [this](const NodeVectors& v) { return mirrored ? reflected(v) : v; };
-  const NodeVectors velocity = into_this_world(
-      velocities_at_first(scene.velocity, surface, system->mass(), into_this_world(state.r)));
-  state.v = NodeVectors::Zero(state.r.rows(), 3);
+  const NodeVectors velocity =
+      into_this_world(velocities_at_first(scene.velocity, surface, system->mass().head(nodes),
+                                          into_this_world(state.r.topRows(nodes))));
   for (int c = 0; c < 3; ++c) {
     for (const Index node : system->constraints().reduction().free_nodes(c)) {
-      state.v(node, c) = velocity(node, c);
+      if (node < nodes) state.v(node, c) = velocity(node, c);
     }
   }
   system->constraints().follow_ties_of_velocity(state.v);
@@ -378,6 +397,7 @@ void Simulation::Impl::check_state() {
   Index farthest = 0;
   for (Index i = 0; i < state.r.rows(); ++i) {
     if (!state.r.row(i).allFinite() || !state.v.row(i).allFinite()) throw_not_finite();
+    if (i >= system->nodes()) continue;  // a scalar unknown is nowhere
     const double distance = (state.r.row(i).transpose() - centroid).squaredNorm();
     if (distance > largest) largest = distance, farthest = i;
   }

@@ -41,7 +41,7 @@ Wanted wanted_by(const Named<Integrator>& integrator, const System& system) {
   const bool has_ties = !system.constraints().reduction().ties().empty();
   const bool is_static = deform::is_static(integrator);
   Wanted wanted;
-  wanted.traits = {.size = 3 * system.nodes(), .symmetric = true, .positive_definite = true};
+  wanted.traits = {.size = 3 * system.rows(), .symmetric = true, .positive_definite = true};
   if (solves_nothing(integrator)) {
     wanted.text = "the matrix of masses of tied unknowns, as clamps and symmetries make them";
   } else if (!is_symmetric(system, is_static)) {
@@ -76,7 +76,7 @@ std::vector<std::string> others_that_take(const Wanted& wanted, const Scene& sce
       const auto solver =
           maker.make<LinearSolver>({PluginKind::solver, name, nullptr, "/solver"},
                                    maker.setup(system.surface(), system.rest(), system.areas()));
-      if (solver && takes(*solver, wanted, system.nodes()))
+      if (solver && takes(*solver, wanted, system.rows()))
         found.emplace_back(
             -asked(*solver, [&](const LinearSolver& s) { return s.suitability(wanted.traits); }),
             name);
@@ -93,13 +93,12 @@ std::vector<std::string> others_that_take(const Wanted& wanted, const Scene& sce
 }  // namespace
 
 void require_solver(const Scene& scene, const PluginRegistry& registry, const System& system,
-                    const Named<Integrator>& integrator,
-                    const MakeSolvers& make_solvers) {
+                    const Named<Integrator>& integrator, const MakeSolvers& make_solvers) {
   if (solves_nothing(integrator) && system.constraints().reduction().ties().empty()) return;
   const Wanted wanted = wanted_by(integrator, system);
   const std::vector<Named<LinearSolver>> solvers = make_solvers();
   const bool any = std::ranges::any_of(
-      solvers, [&](const auto& solver) { return takes(solver, wanted, system.nodes()); });
+      solvers, [&](const auto& solver) { return takes(solver, wanted, system.rows()); });
   if (any) return;
   const std::vector<std::string> others = others_that_take(wanted, scene, registry, system);
   throw InputError(

@@ -14,7 +14,10 @@ namespace {
 constexpr double kPartOfReach = 1e-3;
 
 ReductionMap map_of(const ModelParts& parts) {
-  Reduction reduction(parts.surface->nodes());
+  const Index nodes = parts.surface->nodes();
+  Reduction reduction(nodes + std::ssize(parts.scalars));
+  for (Index a = nodes; a < reduction.nodes(); ++a)  // a scalar has but one component
+    for (const int c : {1, 2}) reduction.prescribe(a, c);
   for (const auto& c : parts.constraints)
     guarded(c.origin, "saying what it holds", [&] { c.object->reduce(reduction); });
   return ReductionMap(reduction);
@@ -23,15 +26,15 @@ ReductionMap map_of(const ModelParts& parts) {
 }  // namespace
 
 ConstraintSet::ConstraintSet(const ModelParts& parts)
-    : nodes_(parts.surface->nodes()), constraints_(parts.constraints), map_(map_of(parts)) {}
+    : constraints_(parts.constraints), map_(map_of(parts)), rows_(reduction().nodes()) {}
 
 void ConstraintSet::prescribe(double time, NodeVectors& r) const {
   if (constraints_.empty()) return;
   for (const auto& c : constraints_) {
     guarded(c.origin, "prescribing positions", [&] { c.object->prescribe(time, r); });
-    if (r.rows() != nodes_)
+    if (r.rows() != rows_)
       throw PluginFailure("plugin " + c.origin + " made " + std::to_string(r.rows()) +
-                          " positions of the " + std::to_string(nodes_) + " that it was given");
+                          " positions of the " + std::to_string(rows_) + " that it was given");
   }
   for (int c = 0; c < 3; ++c)
     for (Index a = 0; a < r.rows(); ++a)
@@ -41,7 +44,7 @@ void ConstraintSet::prescribe(double time, NodeVectors& r) const {
 
 void ConstraintSet::throw_not_finite(double time, Index node) const {
   for (const auto& c : constraints_) {
-    NodeVectors alone = NodeVectors::Zero(nodes_, 3);  // what is in r may be another's
+    NodeVectors alone = NodeVectors::Zero(rows_, 3);  // what is in r may be another's
     guarded(c.origin, "prescribing positions", [&] { c.object->prescribe(time, alone); });
     require_finite(alone, "a prescribed position", c.origin, c.name);
   }
@@ -54,7 +57,7 @@ void ConstraintSet::prescribe_velocity(double time, double reach, NodeVectors& v
   // two differences away, is wrong by a third of the difference squared times r⃛.
   double difference = time - (time - kPartOfReach * reach);  // of times that are numbers
   if (difference == 0) difference = reach;
-  NodeVectors now = NodeVectors::Zero(nodes_, 3), near = now, far = now;
+  NodeVectors now = NodeVectors::Zero(rows_, 3), near = now, far = now;
   prescribe(time, now);
   prescribe(time - difference, near);
   prescribe(time - 2 * difference, far);

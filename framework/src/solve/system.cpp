@@ -13,11 +13,39 @@
 
 namespace deform {
 
+namespace {
+
+/// Collects the terms' scalar unknowns: rows beyond the nodes'.
+ModelParts with_scalars(ModelParts parts) {
+  for (const Named<EnergyTerm>& energy : parts.energies)
+    if (const auto term = std::dynamic_pointer_cast<const TupleTerm>(energy.object)) {
+      const std::vector<ScalarUnknown> own =
+          guarded(energy.origin, "naming its scalar unknowns", [&] { return term->scalars(); });
+      for (const ScalarUnknown& s : own)
+        if (!std::isfinite(s.initial) || !(s.mass >= 0) || !(s.damping >= 0) ||
+            !std::isfinite(s.mass + s.damping))
+          throw PluginFailure("plugin " + energy.origin +
+                              " has a scalar unknown that is not finite, or whose mass or damping "
+                              "is negative");
+      parts.scalars.insert(parts.scalars.end(), own.begin(), own.end());
+    }
+  const Index nodes = parts.mass.size(), rows = nodes + std::ssize(parts.scalars);
+  parts.mass.conservativeResize(rows);
+  parts.damping.conservativeResize(rows);
+  for (Index a = nodes; a < rows; ++a) {
+    parts.mass[a] = parts.scalars[static_cast<std::size_t>(a - nodes)].mass;
+    parts.damping[a] = parts.scalars[static_cast<std::size_t>(a - nodes)].damping;
+  }
+  return parts;
+}
+
+}  // namespace
+
 SystemParts::SystemParts(ModelParts p)
-    : model(std::move(p)),
+    : model(with_scalars(std::move(p))),
       solvers(model.make_solvers),
       constraints(model),
-      contact(model.bodies, constraints.map()),
+      contact(model.bodies, model.surface->nodes(), constraints.map()),
       assembly(model, meter),
       evaluator(assembly),
       terms(assembly),
@@ -27,6 +55,15 @@ System::System(ModelParts parts) : parts_(std::make_unique<SystemParts>(std::mov
 System::~System() = default;
 
 Index System::nodes() const { return parts_->model.surface->nodes(); }
+Index System::rows() const { return nodes() + std::ssize(parts_->model.scalars); }
+const std::vector<ScalarUnknown>& System::scalars() const { return parts_->model.scalars; }
+State System::at_rest() const {
+  State state{NodeVectors::Zero(rows(), 3), NodeVectors::Zero(rows(), 3), 0};
+  state.r.topRows(nodes()) = rest();
+  for (Index a = nodes(); a < rows(); ++a)
+    state.r(a, 0) = scalars()[static_cast<std::size_t>(a - nodes())].initial;
+  return state;
+}
 const Surface& System::surface() const { return *parts_->model.surface; }
 const NodeVectors& System::rest() const { return parts_->model.rest; }
 const NodeValues& System::areas() const { return parts_->model.areas; }

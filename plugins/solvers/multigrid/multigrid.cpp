@@ -50,7 +50,7 @@ class Multigrid final : public LinearSolver, public BlockSolver {
     return is_possible ? preference(traits.size) : 0;
   }
   [[nodiscard]] double block_suitability(Index nodes) const override {
-    return coarsening_.empty() ? 0 : preference(nodes);
+    return coarsening_.empty() || nodes != total_ ? 0 : preference(nodes);
   }
 
   void analyse(const SparseMatrix& a, const MatrixTraits& traits) override {

@@ -11,6 +11,8 @@ namespace deform {
 /// A state with a smooth and a small random disturbance of the positions `rest` (N × 3), its
 /// relative size about `strain`; the same for the same arguments.
 [[nodiscard]] DEFORM_API State disturbed(const NodeVectors& rest, double strain);
+/// The same of a System's rest state; its scalar unknowns are disturbed, too.
+[[nodiscard]] DEFORM_API State disturbed(const System& system, double strain);
 
 /// |f + ∇E| / |f| of one term: its force against fourth-order differences of its energy.
 [[nodiscard]] DEFORM_API double gradient_error(const System& system, std::size_t term, State state);

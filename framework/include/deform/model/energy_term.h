@@ -180,7 +180,17 @@ class DEFORM_API JetTerm : public EnergyTerm {
   [[nodiscard]] virtual const NormalEstimator* normal() const { return nullptr; }
 };
 
-/// A block of node tuples: positions r(i, a) of the a-th node of tuple i.
+/// An unknown beside the nodes' positions (an angle at an edge, a hidden coordinate, …), in units
+/// of its term's choice: forces on it are energies per unit, its mass is kg·m² per unit². It is
+/// kept as the x of a further row of positions, of which y and z stay 0.
+struct ScalarUnknown {
+  double initial = 0;
+  double mass = 0;     ///< 0: it is where forces on it balance; takes an implicit integrator
+  double damping = 0;  ///< force per rate
+};
+
+/// A block of node tuples: positions r(i, a) of the a-th node of tuple i, or (s, 0, 0) where that
+/// is a scalar unknown s.
 struct TupleBlock {
   Index first = 0;
   Index size = 0;
@@ -203,7 +213,10 @@ class DEFORM_API TupleTerm : public EnergyTerm {
 
   /// Nodes a tuple.
   [[nodiscard]] virtual int width() const = 0;
-  /// (T × width) node numbers, row-major; fixed for the object's life.
+  /// The term's own scalar unknowns; fixed for the object's life. Default: none.
+  [[nodiscard]] virtual std::vector<ScalarUnknown> scalars() const;
+  /// (T × width) node numbers, row-major; fixed for the object's life. The number of nodes + k is
+  /// the term's scalar unknown k.
   [[nodiscard]] virtual const std::vector<std::int32_t>& tuples() const = 0;
   /// Adds the energy [J] of each tuple.
   virtual void energy(const TupleBlock& block, Values energy) const = 0;

@@ -17,6 +17,9 @@ struct Frame {
   const NodeVectors& previous_r;  ///< (N × 3) positions at which the last step began [m]
   const System& system;
 
+  /// (N × 3) of the nodes alone: a state has scalar unknowns behind them where a model has some.
+  [[nodiscard]] auto positions() const { return state.r.topRows(system.nodes()); }
+  [[nodiscard]] auto velocities() const { return state.v.topRows(system.nodes()); }
   /// All geometry at the samples of a set, now and where the last step began.
   [[nodiscard]] std::shared_ptr<const Geometry> geometry(const SampleSet& samples) const {
     return system.terms().geometry(state.r, samples);

@@ -52,8 +52,8 @@ class Mobility;
 /// pass: they are where the scene wants them.
 class DEFORM_API ColliderContact {
  public:
-  /// `map` must live as long.
-  ColliderContact(std::vector<Body> bodies, const ReductionMap& map);
+  /// Of so many nodes; `map`, which may know of more unknowns, must live as long.
+  ColliderContact(std::vector<Body> bodies, Index nodes, const ReductionMap& map);
   ~ColliderContact();
   ColliderContact(const ColliderContact&) = delete;
   ColliderContact& operator=(const ColliderContact&) = delete;

@@ -40,9 +40,9 @@ class DEFORM_API ConstraintSet {
  private:
   [[noreturn]] void throw_not_finite(double time, Index node) const;
 
-  Index nodes_;
   std::vector<Named<Constraint>> constraints_;
   ReductionMap map_;
+  Index rows_;
 };
 
 }  // namespace deform

@@ -41,8 +41,8 @@ struct ModelParts {
   std::shared_ptr<const Surface> surface;
   NodeVectors rest;    ///< (N × 3) [m]
   NodeValues areas;    ///< (N) A, that mass and loads per area go by: Setup::areas() [m²]
-  NodeValues mass;     ///< (N) mu A [kg]
-  NodeValues damping;  ///< (N) (gamma + rayleigh_mass mu) A [N·s/m]
+  NodeValues mass;     ///< (N) mu A [kg]; a System adds those of scalar unknowns
+  NodeValues damping;  ///< (N) (gamma + rayleigh_mass mu) A [N·s/m], likewise
   std::vector<Named<EnergyTerm>> energies;
   /// Retardation time of each energy term's material [s]: its damping force is this times the
   /// Gauss–Newton tangent of the term times −v (Kelvin–Voigt). Empty: none.
@@ -52,6 +52,8 @@ struct ModelParts {
   std::vector<Body> bodies;
   /// Components that different constraints hold need a matrix, and so a solver, each.
   MakeSolvers make_solvers;
+  /// Of all energy terms, in their order: a System collects them.
+  std::vector<ScalarUnknown> scalars;
 };
 
 }  // namespace deform

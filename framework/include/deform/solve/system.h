@@ -34,9 +34,15 @@ class DEFORM_API System {
   System& operator=(const System&) = delete;
 
   [[nodiscard]] Index nodes() const;
+  /// N and the number of scalar unknowns: rows of a state's positions.
+  [[nodiscard]] Index rows() const;
+  /// Rest positions, scalar unknowns as they are at first; no velocity.
+  [[nodiscard]] State at_rest() const;
+  [[nodiscard]] const std::vector<ScalarUnknown>& scalars() const;
   [[nodiscard]] const Surface& surface() const;
   [[nodiscard]] const NodeVectors& rest() const;
   [[nodiscard]] const NodeValues& areas() const;
+  /// (rows) [kg], [N·s/m].
   [[nodiscard]] const NodeValues& mass() const;
   [[nodiscard]] const NodeValues& damping() const;
   [[nodiscard]] const std::vector<Named<EnergyTerm>>& energies() const;

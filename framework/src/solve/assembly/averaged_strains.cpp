@@ -22,7 +22,7 @@ void add_forces_of_mean_strains(ModelTerms& terms, const StateGeometry& now, Str
   }
   terms.evaluate_tuples(now.r, strains);
   for (const TupleAssembler& t : terms.tuples())
-    if (t.has_potential()) t.add_force(f);
+    if (t.averages()) t.add_force(f);
 }
 
 void add_gradient_of_mean_energy(ModelTerms& terms, Strains* strains, NodeVectors& f) {
@@ -38,7 +38,7 @@ void add_gradient_of_mean_energy(ModelTerms& terms, Strains* strains, NodeVector
     }
   }
   for (TupleAssembler& t : terms.tuples()) {
-    if (!t.has_potential()) continue;
+    if (!t.averages()) continue;
     t.evaluate(strains->to_r, strains->to_r);
     t.add_force(gradient);
   }

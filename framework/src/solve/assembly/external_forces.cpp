@@ -45,7 +45,7 @@ NodeBlock ExternalForces::block_of(const State& state, const NodeVectors& normal
 template <class Visit>
 void ExternalForces::visit_blocks(const State& state, const NodeVectors& normals,
                                   const Named<ForceField>* only, const Visit& visit) {
-  parallel_blocks(state.r.rows(), kBlock, [&](Index first, Index size) {
+  parallel_blocks(areas_.size(), kBlock, [&](Index first, Index size) {
     const NodeBlock block = block_of(state, normals, first, size);
     for (std::size_t i = 0; i < forces_.size(); ++i)
       if (only == nullptr || only == &forces_[i])
@@ -94,7 +94,7 @@ bool ExternalForces::add_conservative_stiffness(const State& state, const NodeVe
 
 void ExternalForces::add_exact_tangent(const State& state, const NodeVectors& normals, double rate,
                                        BlockMatrix& k, const Named<ForceField>* only) {
-  const NodeBlock nodes = block_of(state, normals, 0, state.r.rows());
+  const NodeBlock nodes = block_of(state, normals, 0, areas_.size());
   const Eigen::Matrix3d zero = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < forces_.size(); ++i) {
     if (only != nullptr && only != &forces_[i]) continue;
@@ -135,7 +135,7 @@ std::vector<std::string> ExternalForces::without_potential() const {
 
 const NodeValues& ExternalForces::potential(const State& state, const NodeVectors& normals,
                                             const Named<ForceField>* only) {
-  potential_.setZero(state.r.rows());
+  potential_.setZero(areas_.size());
   visit_blocks(state, normals, only,
                [&](const ForceField& field, const ForceTraits& traits, const NodeBlock& block) {
                  if (traits.potential)

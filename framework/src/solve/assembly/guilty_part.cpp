@@ -81,16 +81,16 @@ void throw_lagged_not_finite(Assembly& assembly, const State& state) {
   ModelTerms& terms = assembly.terms;
   const auto now = terms.geometry_at(state.r);
   for (const auto& field : terms.external().fields()) {
-    NodeValues stiffness = NodeValues::Zero(terms.nodes()), damping = stiffness;
+    NodeValues stiffness = NodeValues::Zero(terms.rows()), damping = stiffness;
     terms.external().add_tangent(state, now->normals, stiffness, damping, &field);
     require_finite(stiffness + damping, "the tangent", field.origin, field.name);
   }
   SparseMatrix k;
-  NodeVectors c = NodeVectors::Zero(terms.nodes(), 3);
+  NodeVectors c = NodeVectors::Zero(terms.rows(), 3);
   for (std::size_t t = 0; t < terms.traits().size(); ++t) {
     lagged_force(assembly, t, state, k, c);
-    NodeValues sums = NodeValues::Zero(terms.nodes());
-    for (Index a = 0; a < terms.nodes(); ++a)
+    NodeValues sums = NodeValues::Zero(terms.rows());
+    for (Index a = 0; a < terms.rows(); ++a)
       for (std::int32_t p = k.row_begin[static_cast<std::size_t>(a)];
            p < k.row_begin[static_cast<std::size_t>(a) + 1]; ++p)
         sums[a] += k.value[static_cast<std::size_t>(p)];

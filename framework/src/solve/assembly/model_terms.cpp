@@ -63,14 +63,23 @@ Geometry::Detail ModelTerms::detail_of_normals(const SampleSet& set) const {
   return is_needed ? Geometry::Detail::first : Geometry::Detail::none;
 }
 
+/// Of the terms before this one.
+Index ModelTerms::scalars_before(std::size_t number) const {
+  Index count = 0;
+  for (const TupleAssembler& t : tuples_)
+    if (t.number() < number) count += t.scalars();
+  return count;
+}
+
 void ModelTerms::make_tuples() {
   for (std::size_t t = 0; t < parts_->energies.size(); ++t)
     if (const auto term = std::dynamic_pointer_cast<const TupleTerm>(energy(t).object))
-      tuples_.emplace_back(t, energy(t).origin, term, traits_[t], nodes());
+      tuples_.emplace_back(t, energy(t).origin, term, traits_[t],
+                           TupleAssembler::Rows{nodes(), rows(), scalars_before(t)});
 }
 
 void ModelTerms::make_lagged_pattern() {
-  PatternBuilder pattern(nodes());
+  PatternBuilder pattern(rows());
   const auto add = [&](Index a, Index b) { pattern.add(a, b); };
   for (const SetTerms& set : sets_) set.assembler.visit_pattern(add);
   for (const TupleAssembler& t : tuples_) t.visit_pattern(add);
@@ -81,7 +90,7 @@ void ModelTerms::make_lagged_pattern() {
 
 bool ModelTerms::know_strains() const {
   return std::ranges::any_of(traits_, [](const TermTraits& t) { return t.strains; }) ||
-         std::ranges::any_of(tuples_, [](const TupleAssembler& t) { return t.has_potential(); });
+         std::ranges::any_of(tuples_, [](const TupleAssembler& t) { return t.averages(); });
 }
 
 std::size_t ModelTerms::set_of(const SampleSet& samples) const {
@@ -172,7 +181,7 @@ std::shared_ptr<const StateGeometry> ModelTerms::evaluate(const NodeVectors& r, 
 void ModelTerms::evaluate_tuples(const NodeVectors& r, Strains* strains) {
   for (std::size_t i = 0; i < tuples_.size(); ++i) {
     TupleAssembler& t = tuples_[i];
-    if (averages(strains) && t.has_potential())
+    if (averages(strains) && t.averages())
       t.evaluate_over_step(strains->from_r, r, strains->to_r, strains->tuple_energies[i]);
     else
       t.evaluate(r, r);

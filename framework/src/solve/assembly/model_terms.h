@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string>
@@ -47,6 +48,8 @@ class ModelTerms {
   [[nodiscard]] const ModelParts& parts() const { return *parts_; }
   [[nodiscard]] WorkMeter& meter() const { return *meter_; }
   [[nodiscard]] Index nodes() const { return parts_->surface->nodes(); }
+  /// Nodes, and scalar unknowns behind them.
+  [[nodiscard]] Index rows() const { return nodes() + std::ssize(parts_->scalars); }
   [[nodiscard]] const std::vector<TermTraits>& traits() const { return traits_; }
   [[nodiscard]] std::vector<SetTerms>& sets() { return sets_; }
   [[nodiscard]] std::vector<TupleAssembler>& tuples() { return tuples_; }
@@ -99,6 +102,7 @@ class ModelTerms {
   void make_sets();
   [[nodiscard]] Geometry::Detail detail_of_normals(const SampleSet& set) const;
   void make_tuples();
+  [[nodiscard]] Index scalars_before(std::size_t number) const;
   void make_lagged_pattern();
   [[nodiscard]] std::shared_ptr<StateGeometry> room();
   [[nodiscard]] std::shared_ptr<StateGeometry> known_or_new(const NodeVectors& r);

@@ -72,7 +72,7 @@ void StepStrains::average_from(const Evaluator& of, const NodeVectors& r) {
   for (std::size_t k = 0; k < sets.size(); ++k) sets[k].compute(i.from[k], r);
   i.tuple_energies.clear();
   for (const TupleAssembler& t : i.terms->tuples())
-    i.tuple_energies.push_back(t.has_potential() ? t.energies(r) : std::vector<double>());
+    i.tuple_energies.push_back(t.averages() ? t.energies(r) : std::vector<double>());
 }
 
 /// Whose sets the geometries are of.

@@ -84,7 +84,7 @@ void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
 }
 
 bool TangentAssembler::goes_on(Index a) const {
-  if (blocks_.empty()) return true;
+  if (blocks_.empty() || a >= terms_->gather().nodes()) return true;
   if (terms_->gather().run_end(a) == a + 1) return false;
   return std::ranges::all_of(terms_->gather().row(a).samples,
                              [&](std::int32_t s) { return terms_->samples().run_end(s) > s + 1; });
@@ -110,7 +110,8 @@ void TangentAssembler::make_plan(const BlockMatrix& pattern, Index a, TangentPla
   plan = {};
   const std::span<const std::int32_t> columns = pattern.columns(a);
   std::vector<std::vector<TangentPlan::Right>> right(columns.size());
-  const GatherTable::Row row = terms_->gather().row(a);
+  const GatherTable::Row row =
+      a < terms_->gather().nodes() ? terms_->gather().row(a) : GatherTable::Row{};  // a scalar
   for (std::size_t e = 0; e < row.samples.size(); ++e) {
     const SampleSet::Stencil stencil = terms_->samples().stencil(row.samples[e]);
     const std::size_t parts = plan.parts.size();

@@ -30,7 +30,7 @@ thread_local Buffers buffers;
 void TangentBuilder::prepare() {
   if (schedule_) return;
   for (const SetTerms& set : terms_->sets()) sets_.emplace_back(set.assembler);
-  BlockPatternBuilder pattern(terms_->nodes());
+  BlockPatternBuilder pattern(terms_->rows());
   const auto add = [&](Index a, Index b) { pattern.add(a, b); };
   for (const TangentAssembler& t : sets_) t.visit_pattern(add);
   for (const TupleAssembler& t : terms_->tuples()) t.visit_pattern(add);

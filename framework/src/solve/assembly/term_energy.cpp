@@ -17,7 +17,7 @@ namespace {
 
 double tuple_energy(ModelTerms& terms, const TupleAssembler& tuples, const NodeVectors& r,
                     Strains* strains) {
-  const bool is_mean = averages(strains) && tuples.has_potential();
+  const bool is_mean = averages(strains) && tuples.averages();
   if (is_mean) strains->update_mean(*terms.geometry_at(r));
   const std::vector<double> energies =
       is_mean ? mean_energies(tuples, *strains) : tuples.energies(r);

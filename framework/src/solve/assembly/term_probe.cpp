@@ -38,7 +38,7 @@ NodeVectors TermProbe::external_force(const State& state) const {
 }
 
 TermProbe::LaggedForce TermProbe::lagged_force(std::size_t term, const State& state) const {
-  LaggedForce result{{}, NodeVectors::Zero(assembly_->terms.nodes(), 3)};
+  LaggedForce result{{}, NodeVectors::Zero(assembly_->terms.rows(), 3)};
   deform::lagged_force(*assembly_, term, state, result.k, result.c);
   return result;
 }

@@ -19,14 +19,17 @@ constexpr double kRoundingOfWork = 64 * std::numeric_limits<double>::epsilon();
 
 TupleAssembler::TupleAssembler(std::size_t number, std::string origin,
                                std::shared_ptr<const TupleTerm> term, const TermTraits& traits,
-                               Index nodes)
+                               const Rows& rows)
     : number_(number), origin_(std::move(origin)), term_(std::move(term)), traits_(traits) {
-  guarded(origin_, "naming its tuples",
-          [this] { width_ = term_->width(), tuples_ = term_->tuples(); });
-  check_tuples(nodes);
+  guarded(origin_, "naming its tuples", [this] {
+    width_ = term_->width(), tuples_ = term_->tuples();
+    scalars_ = std::ssize(term_->scalars());
+  });
+  check_tuples(rows.nodes + scalars_);
+  number_scalars(rows);
   k_.resize(tuples_.size() * static_cast<std::size_t>(width_));
   force_.resize(tuples_.size());
-  begin_.assign(static_cast<std::size_t>(nodes) + 1, 0);
+  begin_.assign(static_cast<std::size_t>(rows.all) + 1, 0);
   for (const std::int32_t n : tuples_) ++begin_[static_cast<std::size_t>(n) + 1];
   for (std::size_t n = 1; n < begin_.size(); ++n) begin_[n] += begin_[n - 1];
   std::vector<Index> next(begin_.begin(), begin_.end() - 1);
@@ -34,6 +37,12 @@ TupleAssembler::TupleAssembler(std::size_t number, std::string origin,
   for (std::size_t p = 0; p < tuples_.size(); ++p)
     places_[static_cast<std::size_t>(next[static_cast<std::size_t>(tuples_[p])]++)] =
         static_cast<Index>(p);
+}
+
+/// The term counts its own; the model all.
+void TupleAssembler::number_scalars(const Rows& rows) {
+  for (std::int32_t& n : tuples_)
+    if (n >= rows.nodes) n += static_cast<std::int32_t>(rows.before);
 }
 
 void TupleAssembler::check_tuples(Index nodes) const {

@@ -12,8 +12,16 @@ namespace deform {
 
 class TupleAssembler {
  public:
+  /// Of a model's unknowns: nodes, and scalars behind them, of which so many are of terms before.
+  struct Rows {
+    Index nodes, all, before;
+  };
   TupleAssembler(std::size_t number, std::string origin, std::shared_ptr<const TupleTerm> term,
-                 const TermTraits& traits, Index nodes);
+                 const TermTraits& traits, const Rows& rows);
+  /// How many the term has of its own.
+  [[nodiscard]] Index scalars() const { return scalars_; }
+  /// Whether its energy can be averaged over a step: distances of nodes say nothing of scalars.
+  [[nodiscard]] bool averages() const { return has_potential() && scalars_ == 0; }
 
   [[nodiscard]] std::size_t number() const { return number_; }
   enum class Part { stress, constant };
@@ -60,6 +68,7 @@ class TupleAssembler {
                         const std::vector<double>& energies_to);
   [[nodiscard]] bool is_explicit() const { return traits_.lagged == Lagged::none; }
   void check_tuples(Index nodes) const;
+  void number_scalars(const Rows& rows);
   [[nodiscard]] TupleBlock block(const NodeVectors& now, const NodeVectors& lagged, Index first,
                                  Index size) const;
 
@@ -68,6 +77,7 @@ class TupleAssembler {
   std::shared_ptr<const TupleTerm> term_;
   TermTraits traits_;
   int width_ = 0;
+  Index scalars_ = 0;
   std::vector<std::int32_t> tuples_;  // (T × width), a copy: as checked, whatever the term does
   std::vector<double> k_;             // (T × width × width)
   std::vector<Vec3> force_;           // (T × width), of the last evaluation

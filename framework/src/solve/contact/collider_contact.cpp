@@ -43,7 +43,7 @@ bool is_tied(const Mobility& mobility, Index node) {
 }  // namespace
 
 struct ColliderContact::Impl {
-  Impl(std::vector<Body> of, const ReductionMap& map);
+  Impl(std::vector<Body> of, Index nodes, const ReductionMap& map);
 
   /// Amends `after`, which a step of so many seconds made of `before` (N × 3). Returns the nodes
   /// that it amended, ascending.
@@ -86,8 +86,8 @@ struct ColliderContact::Impl {
   Mobility mobility;
 };
 
-ColliderContact::Impl::Impl(std::vector<Body> of, const ReductionMap& map)
-    : bodies(std::move(of)), mobility(map) {
+ColliderContact::Impl::Impl(std::vector<Body> of, Index nodes, const ReductionMap& map)
+    : bodies(std::move(of)), mobility(map, nodes) {
   for (const Body& body : bodies)
     is_convex.push_back(guarded(body.collider.origin, "saying whether it is convex",
                                 [&] { return body.collider.object->is_convex(); }));
@@ -314,8 +314,8 @@ void ColliderContact::Impl::require_outside(const NodeVectors& r, double slack) 
   if (!problems.empty()) throw InputError(std::move(problems));
 }
 
-ColliderContact::ColliderContact(std::vector<Body> bodies, const ReductionMap& map)
-    : impl_(std::make_unique<Impl>(std::move(bodies), map)) {}
+ColliderContact::ColliderContact(std::vector<Body> bodies, Index nodes, const ReductionMap& map)
+    : impl_(std::make_unique<Impl>(std::move(bodies), nodes, map)) {}
 ColliderContact::~ColliderContact() = default;
 std::size_t ColliderContact::bodies() const { return impl_->bodies.size(); }
 const Mobility& ColliderContact::mobility() const { return impl_->mobility; }

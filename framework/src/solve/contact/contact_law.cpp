@@ -33,10 +33,11 @@ Vec3 settle_one(const Mobility& mobility, Index node, Grip& grip, Vec3& motion) 
 
 }  // namespace
 
-Mobility::Mobility(const ReductionMap& map) : map_(&map) {
+Mobility::Mobility(const ReductionMap& map, Index nodes) : map_(&map) {
   const Reduction& reduction = map.reduction();
-  kind_.assign(static_cast<std::size_t>(reduction.nodes()), kFree);
-  for (Index a = 0; a < reduction.nodes(); ++a) {
+  kind_.assign(static_cast<std::size_t>(reduction.nodes()), kHeld);
+  for (Index a = 0; a < nodes; ++a) {
+    kind_[static_cast<std::size_t>(a)] = kFree;
     if (reduction.free(a, 0) && reduction.free(a, 1) && reduction.free(a, 2)) continue;
     Partly p;
     for (int c = 0; c < 3; ++c) p.rows[static_cast<std::size_t>(c)] = map.row({a, c});

@@ -15,8 +15,8 @@ namespace deform {
 /// per mass. R is the identity for a node that nothing holds.
 class Mobility {
  public:
-  /// Which nodes constraints touch; `map` must live as long.
-  explicit Mobility(const ReductionMap& map);
+  /// Which nodes constraints touch; what is behind them counts as held. `map` must live as long.
+  Mobility(const ReductionMap& map, Index nodes);
 
   /// Whether nothing holds a node; whether nothing of it is free.
   [[nodiscard]] bool is_free(Index node) const { return kind(node) == kFree; }

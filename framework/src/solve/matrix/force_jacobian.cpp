@@ -25,7 +25,7 @@ void add_faces(const Faces& faces, const Add& add) {
 
 /// Node by node, those whose positions its force depends on.
 std::vector<std::vector<std::int32_t>> dependence(ModelTerms& terms) {
-  std::vector<std::vector<std::int32_t>> on(static_cast<std::size_t>(terms.nodes()));
+  std::vector<std::vector<std::int32_t>> on(static_cast<std::size_t>(terms.rows()));
   const auto add = [&](Index a, Index b) {
     on[static_cast<std::size_t>(a)].push_back(static_cast<std::int32_t>(b));
   };

@@ -21,6 +21,9 @@
 namespace deform {
 namespace {
 
+/// Of the mean mass: what a scalar unknown without one has for eigenvalues.
+constexpr double kLeastMass = 1e-9;
+
 bool is_finite_everywhere(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Index>(values.size()))
       .allFinite();
@@ -135,8 +138,8 @@ void NewtonMatrix::evaluate(const State& state, const TangentRequest& request) {
     i.before.resize(0, 3);
   i.at = state;
   i.is_evaluated = true;
-  i.stiffness.setZero(terms.nodes());
-  i.damping.setZero(terms.nodes());
+  i.stiffness.setZero(terms.rows());
+  i.damping.setZero(terms.rows());
   terms.external().add_tangent(state, now->normals, i.stiffness, i.damping, nullptr, true);
   i.diagonal = i.stiffness + request.rate * i.damping;
   bool is_finite = i.stiffness.allFinite() && i.damping.allFinite();
@@ -236,7 +239,8 @@ NewtonMatrix::Stability NewtonMatrix::stability() {
   const NodeValues zero = NodeValues::Zero(nodes);
   // Lumped masses of what is free: the row sums of TᵀMT.
   NodeVectors mass(nodes, 3);
-  for (int c = 0; c < 3; ++c) mass.col(c) = i.parts->model.mass;
+  const NodeValues& own = i.parts->model.mass;
+  for (int c = 0; c < 3; ++c) mass.col(c) = own.cwiseMax(kLeastMass * own.mean());
   const Eigen::VectorXd m = solver.unknowns().reduced(mass);
   const LowestEigenvalue lowest = lowest_eigenvalue(solver.reduced(zero), m);
   return {lowest.value, lowest.negative,
@@ -253,7 +257,7 @@ RigidStiffness NewtonMatrix::Impl::rigid_stiffness_of_forces(const State& state)
   NodeVectors f = NodeVectors::Zero(state.r.rows(), 3);
   if (!terms.external().add_conservative_stiffness(state, now->normals, stiffness_alone, f))
     return {};
-  return rigid_stiffness(stiffness_alone, f, state.r);
+  return rigid_stiffness(stiffness_alone, f, state.r.topRows(terms.nodes()));
 }
 
 std::vector<Freedom> NewtonMatrix::hold_rigid_motions(const State& state) {
@@ -265,7 +269,8 @@ std::vector<Freedom> NewtonMatrix::hold_rigid_motions(const State& state) {
     evaluate(state);
     forces.least = std::max(forces.least, kNoticed * mean_stiffness().cwiseAbs().sum());
   }
-  std::vector<Freedom> held = components_to_hold(i.parts->constraints.map(), state.r, forces);
+  std::vector<Freedom> held = components_to_hold(
+      i.parts->constraints.map(), state.r.topRows(i.parts->assembly.terms.nodes()), forces);
   if (held == i.held) return held;
   i.held = held;
   if (i.solver_has_rows) (void)i.whole();  // the next solver gets it

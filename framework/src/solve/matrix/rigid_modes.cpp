@@ -42,7 +42,7 @@ NodeVectors by_nodes(const Eigen::VectorXd& motion) {
 Eigen::MatrixXd violations(const ReductionMap& map, const Eigen::MatrixXd& motions) {
   std::vector<Eigen::RowVectorXd> rows;
   const Reduction& reduction = map.reduction();
-  for (Index a = 0; a < reduction.nodes(); ++a)
+  for (Index a = 0; a < motions.rows() / 3; ++a)
     for (int c = 0; c < 3; ++c)
       if (reduction.prescribed(a, c)) rows.emplace_back(motions.row(3 * a + c));
   for (const Tie& tie : map.ties()) {
@@ -88,9 +88,12 @@ RigidStiffness rigid_stiffness(const BlockMatrix& k, const NodeVectors& f, const
   RigidStiffness result;
   NodeVectors resistance;
   for (Index i = 0; i < 6; ++i) {
-    k.multiply(by_nodes(motions.col(i)), resistance);
+    NodeVectors moved = NodeVectors::Zero(k.nodes, 3);
+    moved.topRows(r.rows()) = by_nodes(motions.col(i));
+    k.multiply(moved, resistance);
     for (Index j = 0; j < 6; ++j)
-      result.second(j, i) = resistance.cwiseProduct(by_nodes(motions.col(j))).sum();
+      result.second(j, i) =
+          resistance.topRows(r.rows()).cwiseProduct(by_nodes(motions.col(j))).sum();
   }
   double of_forces = 0;
   for (Index a = 0; a < r.rows(); ++a) {
@@ -119,7 +122,7 @@ std::vector<Freedom> components_to_hold(const ReductionMap& map, const NodeVecto
 
   // The free components at which these motions are most independent: pivots of a QR factorisation.
   std::vector<Freedom> candidates;
-  for (Index a = 0; a < map.reduction().nodes(); ++a)
+  for (Index a = 0; a < r.rows(); ++a)
     for (int c = 0; c < 3; ++c)
       if (map.reduction().free(a, c)) candidates.push_back({a, c});
   Eigen::MatrixXd at(count, static_cast<Index>(candidates.size()));

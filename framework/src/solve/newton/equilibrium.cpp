@@ -87,16 +87,16 @@ void Equilibrium::Impl::begin(System& of, const State& from, double to) {
   system_ = &of;
   const Evaluator& evaluator = of.evaluator();
   has_potential_ = evaluator.without_potential().empty() && evaluator.without_tangent().empty();
-  zero_ = NodeValues::Zero(of.nodes());
+  zero_ = NodeValues::Zero(of.rows());
   end_ = to;
   start_ = target_ = from.r;
   of.constraints().prescribe(end_, target_);
   State loaded = from;
   loaded.time = end_;
   evaluator.force(loaded, first_force_);
-  held_ = matrix->hold_rigid_motions({from.r, NodeVectors::Zero(of.nodes(), 3), end_});
+  held_ = matrix->hold_rigid_motions({from.r, NodeVectors::Zero(of.rows(), 3), end_});
   start_residual_ = 0;
-  size_ = deform::characteristic_length(start_);
+  size_ = deform::characteristic_length(start_.topRows(of.nodes()));
 }
 
 /// Prescribed components where they are at a part of the load, what is tied behind them.
@@ -139,9 +139,9 @@ double Equilibrium::Impl::merit(State& state) {
 double Equilibrium::Impl::evaluate(State& state, Tangent kind, const NodeVectors& before) {
   system_->evaluator().force(state, force_);
   if (has_potential_)
-    matrix->evaluate(
-        state, {.kind = before.rows() > 0 || kind != Tangent::mixed ? kind : Tangent::exact,
-                .before = before.rows() > 0 ? &before : nullptr});
+    matrix->evaluate(state,
+                     {.kind = before.rows() > 0 || kind != Tangent::mixed ? kind : Tangent::exact,
+                      .before = before.rows() > 0 ? &before : nullptr});
   const double norm = find_residual();
   if (start_residual_ == 0) start_residual_ = norm;
   return norm;

@@ -90,7 +90,7 @@ RotationStrainStep::RotationStrainStep(const Surface& surface, const NodeVectors
                                        const ReductionMap& map, const std::vector<Freedom>& held,
                                        const SolverSource& solvers)
     : links_(links_of(surface.faces(), rest)),
-      laplacian_(pattern_of(links_, surface.nodes())),
+      laplacian_(pattern_of(links_, map.reduction().nodes())),
       solver_(map, laplacian_, held, solvers,
               [this]() -> const BlockMatrix& { return laplacian_; }) {
   double sum = 0;
@@ -104,7 +104,7 @@ RotationStrainStep::RotationStrainStep(const Surface& surface, const NodeVectors
   if (solver_.takes_rows()) find_floating(rest);
   const bool is_singular = !floating_.empty();
   const double mean = sum / static_cast<double>(surface.nodes());
-  regular_ = NodeValues::Constant(surface.nodes(),
+  regular_ = NodeValues::Constant(laplacian_.nodes,
                                   (is_singular ? kRegularInSinglePrecision : kRegular) * mean);
 }
 

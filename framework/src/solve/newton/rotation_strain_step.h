@@ -25,6 +25,7 @@ class RotationStrainStep {
     double weight;  ///< 1/|e|² at rest [1/m²]
   };
 
+  /// `map` may know of more unknowns than nodes: these go straight.
   RotationStrainStep(const Surface& surface, const NodeVectors& rest, const ReductionMap& map,
                      const std::vector<Freedom>& held, const SolverSource& solvers);
 
