@@ -65,8 +65,7 @@ void write_frame(benchmark::State& bench) {
   simulation.step();
   const Setup setup(
       [](const PluginUse& use, const Setup& s) { return built_in()->create(use, s); });
-  const auto output = std::dynamic_pointer_cast<Output>(
-      built_in()->create({PluginKind::output, "vtk", nullptr, ""}, setup));
+  const auto output = built_in()->create<Output>({PluginKind::output, "vtk", nullptr, ""}, setup);
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("deform_bench_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);

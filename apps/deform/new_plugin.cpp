@@ -4,11 +4,11 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "deform/error.h"
 #include "deform/plugin/registry.h"
 
+#include "parse_kind.h"
 #include "plugin_command.h"
 #include "templates.h"
 #include "terminal.h"
@@ -17,6 +17,8 @@ namespace deform::app {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kLastSection = "  \"duration\":";
 
 /// "saint_venant" to "SaintVenantPlugin": the ending keeps it apart from the framework's names.
 std::string class_name(const std::string& name) {
@@ -33,62 +35,10 @@ std::string class_name(const std::string& name) {
   return text + "Plugin";
 }
 
-/// The sections of a scene in which the plugin stands in its place.
-std::string scene_text(const std::string& kind, const std::string& name) {
-  const std::string use = fmt::format(R"({{ "plugin": "{}" }})", name);
-  std::vector<std::pair<std::string, std::string>> sections{
-      {"title", fmt::format("\"{}/{}\"", kind, name)},
-      {"surface", R"({ "plugin": "grid", "nodes": [21, 21], "size": [1.0, 1.0] })"},
-      {"material", R"({ "density": 0.1, "damping": 1.0 })"},
-      {"energies",
-       R"([ { "plugin": "stretching", "eta": 1.0 }, { "plugin": "bending_variational" } ])"},
-      {"forces", R"([ { "plugin": "gravity", "acceleration": [0, 0, -1] } ])"},
-      {"constraints", R"([ { "plugin": "pin", "where": { "boundary": "left" } } ])"},
-      {"colliders", ""},
-      {"integrator", R"({ "plugin": "semi_implicit", "step": 0.002 })"},
-      {"solver", ""},
-      {"duration", "0.2"},
-      {"outputs", R"([ { "plugin": "vtk", "every": 20 } ])"},
-      {"probes", R"([ "energy", "lowest" ])"},
-  };
-  const auto put = [&sections](const std::string& key, const std::string& text) {
-    std::ranges::find(sections, key, &std::pair<std::string, std::string>::first)->second = text;
-  };
-  if (kind == "surface") put("surface", use);
-  if (kind == "shape")
-    put("surface", fmt::format(R"({{ "plugin": "grid", "nodes": [21, 21], "rest": {} }})", use));
-  if (kind == "normal")
-    put("energies",
-        fmt::format(
-            R"([ {{ "plugin": "stretching", "eta": 1.0 }}, {{ "plugin": "bending", "normal": {} }} ])",
-            use));
-  if (kind == "energy")
-    put("energies",
-        fmt::format(
-            R"([ {{ "plugin": "stretching", "eta": 1.0 }}, {{ "plugin": "bending_variational" }}, {} ])",
-            use));
-  if (kind == "force")
-    put("forces",
-        fmt::format(R"([ {{ "plugin": "gravity", "acceleration": [0, 0, -1] }}, {} ])", use));
-  if (kind == "constraint")
-    put("constraints",
-        fmt::format(R"([ {{ "plugin": "{}", "where": {{ "boundary": "left" }} }} ])", name));
-  if (kind == "collider") put("colliders", fmt::format("[ {} ]", use));
-  if (kind == "integrator")
-    put("integrator", fmt::format(R"({{ "plugin": "{}", "step": 0.0005 }})", name));
-  if (kind == "solver") put("solver", use);
-  if (kind == "output")
-    put("outputs", fmt::format(R"([ {{ "plugin": "{}", "every": 20 }} ])", name));
-  if (kind == "probe") put("probes", fmt::format(R"([ "energy", "lowest", "{}" ])", name));
+/// What stands in a template for "@word@".
+using Words = std::map<std::string, std::string>;
 
-  std::erase_if(sections, [](const auto& section) { return section.second.empty(); });
-  std::vector<std::string> lines;
-  lines.reserve(sections.size());
-  for (const auto& [key, text] : sections) lines.push_back(fmt::format("  \"{}\": {}", key, text));
-  return fmt::format("{{\n{}\n}}\n", fmt::join(lines, ",\n"));
-}
-
-std::string filled_in(const std::string& file, const std::map<std::string, std::string>& words) {
+std::string filled_in(const std::string& file, const Words& words) {
   const auto found = std::ranges::find(templates(), file, &Template::file);
   std::string text(found->text);
   for (const auto& [word, value] : words) {
@@ -99,11 +49,19 @@ std::string filled_in(const std::string& file, const std::map<std::string, std::
   return text;
 }
 
+/// The scene of all projects, in which the section that the kind's template gives, a line, takes
+/// the place of the one with its key. The last line of a scene is no plugin's.
+std::string scene_text(const Words& words) {
+  std::string scene = filled_in("scene.json.in", words);
+  std::string section = filled_in(words.at("kind") + ".scene.in", words);
+  section.replace(section.find('\n'), 1, ",\n");
+  const std::size_t found = scene.find(section.substr(0, section.find(':') + 1));
+  if (found == std::string::npos) return scene.insert(scene.find(kLastSection), section);
+  return scene.replace(found, scene.find('\n', found) + 1 - found, section);
+}
+
 void check(const NewPlugin& what, const fs::path& folder) {
-  if (std::ranges::find(kPluginKinds, what.kind) == kPluginKinds.end()) {
-    throw InputError(fmt::format("there is no kind of plugin \"{}\"; kinds are {}", what.kind,
-                                 fmt::join(kPluginKinds, ", ")));
-  }
+  const PluginKind kind = parse_kind(what.kind);
   if (!is_plugin_name(what.name)) {
     throw InputError(
         fmt::format("\"{}\" is no name for a plugin: it must begin with a letter a to "
@@ -112,7 +70,7 @@ void check(const NewPlugin& what, const fs::path& folder) {
   }
   const PluginRegistry registry;
   for (const PluginFile& file : registry.files()) {
-    if (name_of(file.kind) != what.kind || file.name != what.name) continue;
+    if (file.kind != kind || file.name != what.name) continue;
     throw InputError(
         fmt::format("there is a plugin {}/{} already, {}: a scene that names it could mean either, "
                     "and would be refused; choose another name",
@@ -141,12 +99,11 @@ int new_plugin(const NewPlugin& what) {
   fs::create_directories(folder, error);
   if (error) throw InputError(fmt::format("cannot make {}: {}", folder.string(), error.message()));
 
-  const std::map<std::string, std::string> words{
-      {"kind", what.kind}, {"name", what.name}, {"Class", class_name(what.name)}};
+  const Words words{{"kind", what.kind}, {"name", what.name}, {"Class", class_name(what.name)}};
   write(folder / (what.name + ".cpp"), filled_in(what.kind + ".cpp.in", words));
   for (const char* const file : {"CMakeLists.txt", "README.md"})
     write(folder / file, filled_in(std::string(file) + ".in", words));
-  write(folder / "scene.json", scene_text(what.kind, what.name));
+  write(folder / "scene.json", scene_text(words));
 
   const std::string where = folder.string();
   say("{0}: a plugin {1}/{2} that works; change {2}.cpp to make it yours\n\n"

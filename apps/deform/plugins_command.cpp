@@ -1,13 +1,13 @@
 #include "plugins_command.h"
 
 #include <algorithm>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "deform/error.h"
 
+#include "parse_kind.h"
 #include "table.h"
 #include "terminal.h"
 
@@ -93,28 +93,18 @@ void print_one(const LoadedPlugin& plugin) {
   }
 }
 
-PluginKind parse_kind(const std::string& text) {
-  const auto found = std::find(kPluginKinds.begin(), kPluginKinds.end(), text);
-  if (found == kPluginKinds.end()) {
-    throw InputError(fmt::format("there is no kind of plugin \"{}\"; kinds are {}", text,
-                                 fmt::join(kPluginKinds, ", ")));
-  }
-  return static_cast<PluginKind>(found - kPluginKinds.begin());
-}
-
 }  // namespace
 
 int list_plugins(const PluginRegistry& registry, const std::string& which) {
   if (const std::size_t slash = which.find('/'); slash != std::string::npos) {
-    const PluginKind kind = parse_kind(which.substr(0, slash));
+    const PluginKind kind = app::parse_kind(which.substr(0, slash));
     print_one(registry.load(kind, which.substr(slash + 1)));
     return static_cast<int>(ExitCode::done);
   }
   if (which.empty()) {
-    for (const std::string_view kind : kPluginKinds)
-      print_kind(registry, parse_kind(std::string(kind)));
+    for (const PluginKind kind : kPluginKinds) print_kind(registry, kind);
   } else {
-    print_kind(registry, parse_kind(which));
+    print_kind(registry, app::parse_kind(which));
   }
   print_folders(registry);
   return static_cast<int>(ExitCode::done);

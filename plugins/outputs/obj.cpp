@@ -3,7 +3,7 @@
 
 #include <deform/record/output.h>
 
-#include "output_file.h"
+#include "../output_file.h"
 
 namespace {
 

@@ -19,9 +19,9 @@ std::shared_ptr<Collider> make(const std::string& name,
                                std::initializer_list<std::pair<std::string, ParameterValue>> list) {
   ParameterValues values;
   for (const auto& [key, value] : list) values.set(key, value);
-  const Setup setup([](const PluginUse&, const Setup&) { return std::shared_ptr<Plugin>(); });
-  return std::dynamic_pointer_cast<Collider>(
-      built_in()->load(PluginKind::collider, name).create(values, setup));
+  return built_in()->create<Collider>(
+      {PluginKind::collider, name, std::make_shared<const ParameterValues>(values), ""},
+      Setup(nullptr));
 }
 
 SignedDistance measure(const Collider& collider, const Vec3& point) {

@@ -127,8 +127,7 @@ std::pair<double, double> changes_in_flight(const std::string& name, double step
   }
   // Its own copy of the integrator: the simulation starts at rest.
   const auto& registry = *s.registry();
-  const auto own =
-      std::dynamic_pointer_cast<Integrator>(registry.create(s.scene().integrator, Setup({})));
+  const auto own = registry.create<Integrator>(s.scene().integrator(), Setup(nullptr));
   const Vec3 p = momentum(s.system(), state), l = angular_momentum(s.system(), state);
   double of_p = 0, of_l = 0;
   for (int i = 0; i < std::lround(2.0 / step); ++i) {

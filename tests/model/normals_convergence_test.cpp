@@ -23,16 +23,17 @@ struct Discretised {
   [[nodiscard]] const SampleSet& samples() const { return surface->samples(SampleRole::bending); }
 };
 
-std::shared_ptr<Plugin> make(PluginKind kind, const std::string& name,
-                             const std::shared_ptr<ParameterValues>& values,
-                             const Surface* surface) {
+template <class Interface>
+std::shared_ptr<Interface> make(const std::string& name,
+                                const std::shared_ptr<ParameterValues>& values,
+                                const Surface* surface) {
   const auto registry = test::built_in();
   Setup setup(
       [registry](const PluginUse& use, const Setup& s) { return registry->create(use, s); });
   static const NodeVectors none;
   static const NodeValues no_areas;
   if (surface != nullptr) setup.with_surface(*surface, none, no_areas);
-  return registry->create({kind, name, values, ""}, setup);
+  return registry->create<Interface>({Interface::kKind, name, values, ""}, setup);
 }
 
 Discretised discretise(const KnownSurface& known, std::int64_t n, const std::string& scheme,
@@ -42,8 +43,7 @@ Discretised discretise(const KnownSurface& known, std::int64_t n, const std::str
   values->set("differences", scheme);
   values->set("border", border);
   Discretised d;
-  d.surface =
-      std::dynamic_pointer_cast<Surface>(make(PluginKind::surface, "grid", values, nullptr));
+  d.surface = make<Surface>("grid", values, nullptr);
   const auto& a = d.surface->parameters();
   d.r.resize(a.rows(), 3);
   for (Index i = 0; i < a.rows(); ++i) d.r.row(i) = known.r(a(i, 0), a(i, 1));
@@ -56,8 +56,7 @@ std::shared_ptr<NormalEstimator> estimator(const std::string& name, double delta
                                            const Surface& surface) {
   auto values = std::make_shared<ParameterValues>();
   if (name == "gauss") values->set("delta", delta);
-  return std::dynamic_pointer_cast<NormalEstimator>(
-      make(PluginKind::normal, name, values, &surface));
+  return make<NormalEstimator>(name, values, &surface);
 }
 
 /// Largest angle over the samples where r_ij is there and |B_ij| > delta, to the true normal or to

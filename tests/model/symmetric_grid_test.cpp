@@ -347,7 +347,7 @@ TEST(SymmetricGrid, IsTheDefaultAndNeedsItsBorderAndWeights) {
            R"(}, "integrator": {"plugin": "semi_implicit", "step": 0.1}, "duration": 0.1})";
   };
   const Simulation s = simulation_from_text(scene(""));
-  EXPECT_EQ(s.scene().surface.parameters->get<std::string>("differences"), "symmetric");
+  EXPECT_EQ(s.scene().surface().parameters->get<std::string>("differences"), "symmetric");
   const auto message = [&](const std::string& surface) -> std::string {
     try {
       const Simulation refused = simulation_from_text(scene(surface));

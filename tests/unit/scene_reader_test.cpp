@@ -8,6 +8,7 @@
 #include "deform/error.h"
 #include "deform/simulation/scene.h"
 
+#include "plugin/common_parameters.h"
 #include "scene/json.h"
 #include "scene/json_pointer.h"
 
@@ -86,31 +87,35 @@ TEST(SceneReader, ReadsTheWholeScene) {
   const Scene scene = read(kScene);
   EXPECT_EQ(scene.file, "/scenes/scene.json");
   EXPECT_EQ(scene.title, "Sheet of paper pressed at its centre");
-  EXPECT_EQ(scene.surface.name, "grid");
-  EXPECT_EQ((scene.surface.parameters->get<std::array<std::int64_t, 2>>("nodes")),
+  EXPECT_EQ(scene.surface().name, "grid");
+  EXPECT_EQ((scene.surface().parameters->get<std::array<std::int64_t, 2>>("nodes")),
             (std::array<std::int64_t, 2>{21, 21}));
   EXPECT_EQ(scene.material.density, 0.1);
   EXPECT_EQ(scene.material.damping, 1.0);
-  ASSERT_EQ(scene.energies.size(), 2U);
-  EXPECT_EQ(scene.energies[1].pointer, "/energies/1");
-  EXPECT_EQ(scene.energies[1].parameters->get<PairWeights>("xi").w,
+  ASSERT_EQ(scene.plugins[PluginKind::energy].size(), 2U);
+  EXPECT_EQ(scene.plugins[PluginKind::energy][1].pointer, "/energies/1");
+  EXPECT_EQ(scene.plugins[PluginKind::energy][1].parameters->get<PairWeights>("xi").w,
             (std::array<double, 3>{1e-6, 1e-6, 1e-6}));
-  const auto& normal = scene.energies[1].parameters->get<PluginUse>("normal");
+  const auto& normal = scene.plugins[PluginKind::energy][1].parameters->get<PluginUse>("normal");
   EXPECT_EQ(normal.name, "gauss");
   EXPECT_EQ(normal.kind, PluginKind::normal);
   EXPECT_EQ(normal.pointer, "/energies/1/normal");
   EXPECT_EQ(normal.parameters->get<double>("delta"), 0.5);
-  const auto& where = scene.forces[0].parameters->get<NodeSelection>("where");
+  const auto& where = scene.plugins[PluginKind::force][0].parameters->get<NodeSelection>("where");
   EXPECT_EQ(where.selectors.at(0).radius, 0.06);
-  EXPECT_EQ(scene.constraints[0].parameters->get<NodeSelection>("where").selectors[0].names,
+  EXPECT_EQ(scene.plugins[PluginKind::constraint][0]
+                .parameters->get<NodeSelection>("where")
+                .selectors[0]
+                .names,
             std::vector<std::string>{"all"});
   EXPECT_EQ(scene.step, 0.02);
   EXPECT_EQ(scene.steps(), 100);
-  EXPECT_FALSE(scene.solver.has_value());
-  EXPECT_EQ(scene.outputs[0].every, 5);
-  EXPECT_EQ(scene.probes[1].use.name, "lowest");
-  EXPECT_EQ(scene.probes[1].use.pointer, "/probes/1");
-  EXPECT_EQ(scene.probes[1].every, 1);
+  EXPECT_TRUE(scene.plugins[PluginKind::solver].empty());
+  EXPECT_EQ(common_parameters<Output>(scene.plugins[PluginKind::output][0]).every, 5);
+  const PluginUse& lowest = scene.plugins[PluginKind::probe][1];
+  EXPECT_EQ(lowest.name, "lowest");
+  EXPECT_EQ(lowest.pointer, "/probes/1");
+  EXPECT_EQ(common_parameters<Probe>(lowest).every, 1);
   for (const Field& component : scene.velocity.linear) {
     EXPECT_TRUE(component.is_constant());
     EXPECT_EQ(component.constant(), 0);
@@ -155,11 +160,14 @@ TEST(SceneReader, CompletedScenesReadBackUnchanged) {
 
 TEST(SceneReader, AppliesVariants) {
   EXPECT_EQ(read(kScene, {}, "stiff").title, "stiff");
-  EXPECT_EQ(read(kScene, {}, "stiff").energies[1].parameters->get<PairWeights>("xi").w,
-            (std::array<double, 3>{1e-5, 0, 1e-5}));
+  EXPECT_EQ(
+      read(kScene, {}, "stiff").plugins[PluginKind::energy][1].parameters->get<PairWeights>("xi").w,
+      (std::array<double, 3>{1e-5, 0, 1e-5}));
   const Scene scene = read(kScene, {}, "terzopoulos");
-  EXPECT_EQ(scene.energies[1].parameters->get<PluginUse>("normal").name, "terzopoulos");
-  EXPECT_EQ(scene.energies[1].parameters->get<std::string>("form"), "divergence");
+  EXPECT_EQ(scene.plugins[PluginKind::energy][1].parameters->get<PluginUse>("normal").name,
+            "terzopoulos");
+  EXPECT_EQ(scene.plugins[PluginKind::energy][1].parameters->get<std::string>("form"),
+            "divergence");
 }
 
 TEST(SceneReader, RejectsUnknownVariants) {
@@ -222,19 +230,23 @@ TEST(SceneReader, AppliesReplacements) {
                            "stiff");
   EXPECT_EQ(scene.duration, 4);
   EXPECT_EQ(scene.title, "plain text");
-  EXPECT_EQ(scene.forces[0].parameters->get<TimeProfile>("time").form, TimeProfile::Form::ramp);
+  EXPECT_EQ(scene.plugins[PluginKind::force][0].parameters->get<TimeProfile>("time").form,
+            TimeProfile::Form::ramp);
   EXPECT_EQ(scene.material.damping, 0.25);
 }
 
 TEST(SceneReader, ReplacesWithinDefaultsAndShortForms) {
-  EXPECT_EQ(read(kScene, {{"/probes/0/every", "7"}}).probes[0].every, 7);
+  const Scene rare = read(kScene, {{"/probes/0/every", "7"}});
+  EXPECT_EQ(common_parameters<Probe>(rare.plugins[PluginKind::probe][0]).every, 7);
   EXPECT_EQ(read(kScene, {{"/limits/distance", "3"}}).max_distance, 3);
   const Scene scene = read(kScene, {{"/surface/rest/origin", "[1, 2, 3]"}});
-  EXPECT_EQ(scene.surface.parameters->get<PluginUse>("rest").parameters->get<Vec3>("origin"),
+  EXPECT_EQ(scene.surface().parameters->get<PluginUse>("rest").parameters->get<Vec3>("origin"),
             Vec3(1, 2, 3));
   const Scene exact =
       read(kScene, {{"/energies/1/normal", "gauss"}, {"/energies/1/normal/delta", "infinity"}});
-  EXPECT_EQ(exact.energies[1].parameters->get<PluginUse>("normal").parameters->get<double>("delta"),
+  EXPECT_EQ(exact.plugins[PluginKind::energy][1]
+                .parameters->get<PluginUse>("normal")
+                .parameters->get<double>("delta"),
             kInfinity);
 }
 
@@ -242,7 +254,7 @@ TEST(SceneReader, AppendsToLists) {
   const Scene scene = read(kScene, {{"/shadow/-", "exact", false, "--shadow"},
                                     {"/shadow/-", R"({"plugin": "gauss"})"},
                                     {"/energies/-", "stretching"}});
-  EXPECT_EQ(scene.energies.size(), 3U);
+  EXPECT_EQ(scene.plugins[PluginKind::energy].size(), 3U);
   ASSERT_EQ(scene.shadows.size(), 2U);
   EXPECT_EQ(scene.place("/shadow/0"), "--shadow /shadow/0");
   EXPECT_EQ(scene.place("/shadow/1"), "--set /shadow/1");
@@ -265,7 +277,7 @@ TEST(SceneReader, MakesAShadowOfEveryTermThatTakesANormal) {
     EXPECT_EQ(shadow.term, i % 2 == 0 ? 1U : 2U);
     EXPECT_EQ(shadow.energy.name, "bending");
     EXPECT_EQ(shadow.energy.pointer, "/shadow/" + std::to_string(i / 2));
-    const ParameterValues& own = *scene.energies[shadow.term].parameters;
+    const ParameterValues& own = *scene.plugins[PluginKind::energy][shadow.term].parameters;
     const ParameterValues& values = *shadow.energy.parameters;
     EXPECT_EQ(values.entries().size(), own.entries().size());
     EXPECT_EQ(values.get<PairWeights>("xi").w, own.get<PairWeights>("xi").w);
@@ -434,7 +446,7 @@ std::string with_parameters(const std::string& parameters) {
 template <class T>
 T value_of(const std::string& name, const std::string& json) {
   const Scene scene = read(with_parameters('"' + name + "\": " + json));
-  return scene.forces[0].parameters->get<T>(name);
+  return scene.plugins[PluginKind::force][0].parameters->get<T>(name);
 }
 
 /// What is said of a parameter's value, without its place.
@@ -541,7 +553,7 @@ TEST(SceneValues, ReadsMapsFromTheScenesFolder) {
   std::ofstream(folder / "scene_reader_map.csv") << "1 2\n1 2\n";
   const std::string scene = with_parameters(R"("field": {"map": "scene_reader_map.csv"})");
   const Scene read = read_scene_text(scene, "scene.json", folder, registry());
-  const auto field = read.forces[0].parameters->get<Field>("field");
+  const auto field = read.plugins[PluginKind::force][0].parameters->get<Field>("field");
   EXPECT_DOUBLE_EQ(field(Vec2(0.5, 0), {Vec2(0, 0), Vec2(1, 1)}), 1.5);
   EXPECT_EQ(Json::parse(read.completed)["forces"][0]["field"]["map"],
             (folder / "scene_reader_map.csv").lexically_normal().string());
@@ -619,8 +631,9 @@ TEST(SceneValues, FilesStartFromTheScenesFolder) {
   EXPECT_EQ(value_of<Path>("file", "\"../a.obj\""), "/a.obj");
   EXPECT_EQ(value_of<Path>("file", "\"/b.obj\""), "/b.obj");
   const Scene scene = read(with_parameters("\"text\": \"\""));
-  EXPECT_EQ(scene.forces[0].parameters->get<Path>("file"), "/scenes/data/file.txt");
-  EXPECT_EQ(scene.forces[0].parameters->get<Path>("no_file"), "");
+  EXPECT_EQ(scene.plugins[PluginKind::force][0].parameters->get<Path>("file"),
+            "/scenes/data/file.txt");
+  EXPECT_EQ(scene.plugins[PluginKind::force][0].parameters->get<Path>("no_file"), "");
 }
 
 TEST(SceneValues, DefaultsThatNobodyCanSayStayUnsaid) {

@@ -90,7 +90,7 @@ TEST(Setup, RefusesWhatIsNotThereYet) {
   const deform::Setup setup(nullptr);
   EXPECT_THROW((void)setup.surface(), Error);
   EXPECT_THROW((void)setup.rest(), Error);
-  EXPECT_THROW((void)setup.create<Plugin>({PluginKind::normal, "exact", nullptr, ""}), Error);
+  EXPECT_THROW((void)setup.create<Constraint>({PluginKind::constraint, "pin", nullptr, ""}), Error);
 }
 
 TEST(InputError, SaysEveryProblemOnALine) {

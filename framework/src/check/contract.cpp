@@ -13,33 +13,9 @@ namespace {
 
 using Contract = void (*)(const Subject&, Checks&);
 
-Contract contract_of(PluginKind kind) {
-  switch (kind) {
-    case PluginKind::surface:
-      return check_surface_contract;
-    case PluginKind::shape:
-      return check_shape_contract;
-    case PluginKind::normal:
-      return check_normal_contract;
-    case PluginKind::energy:
-      return check_energy_contract;
-    case PluginKind::force:
-      return check_force_contract;
-    case PluginKind::constraint:
-      return check_constraint_contract;
-    case PluginKind::collider:
-      return check_collider_contract;
-    case PluginKind::integrator:
-      return check_integrator_contract;
-    case PluginKind::solver:
-      return check_solver_contract;
-    case PluginKind::output:
-      return check_output_contract;
-    case PluginKind::probe:
-      return check_probe_contract;
-  }
-  throw Error(ExitCode::internal_error, "a kind without a contract");
-}
+#define DEFORM_CONTRACT(name, plural, Interface) check_##name##_contract,
+constexpr PerKind<Contract> kContracts{{DEFORM_PLUGIN_KINDS(DEFORM_CONTRACT)}};
+#undef DEFORM_CONTRACT
 
 void check_description(const Subject& subject, Checks& checks) {
   const LoadedPlugin& plugin = subject.plugin();
@@ -101,7 +77,7 @@ ContractReport check_contract(const ContractOptions& options) {
   const Scene scene = scene_to_begin_with(subject);
   check_description(subject, checks);
   check_defaults(subject, scene, checks);
-  contract_of(file.kind)(subject, checks);
+  kContracts[file.kind](subject, checks);
   return report;
 }
 

@@ -7,17 +7,11 @@
 
 namespace deform {
 
-void check_surface_contract(const Subject& subject, Checks& checks);
-void check_shape_contract(const Subject& subject, Checks& checks);
-void check_normal_contract(const Subject& subject, Checks& checks);
-void check_energy_contract(const Subject& subject, Checks& checks);
-void check_force_contract(const Subject& subject, Checks& checks);
-void check_constraint_contract(const Subject& subject, Checks& checks);
-void check_collider_contract(const Subject& subject, Checks& checks);
-void check_integrator_contract(const Subject& subject, Checks& checks);
-void check_solver_contract(const Subject& subject, Checks& checks);
-void check_output_contract(const Subject& subject, Checks& checks);
-void check_probe_contract(const Subject& subject, Checks& checks);
+/// check_energy_contract and so on; a kind without one does not link.
+#define DEFORM_CONTRACT(name, plural, Interface) \
+  void check_##name##_contract(const Subject& subject, Checks& checks);
+DEFORM_PLUGIN_KINDS(DEFORM_CONTRACT)
+#undef DEFORM_CONTRACT
 
 /// For all that take part in steps: a run is the same on any number of threads, and the same when
 /// it is saved half-way and goes on in fresh objects. On those terrains where `suits` says that the

@@ -2,6 +2,12 @@
 
 #include <array>
 #include <filesystem>
+#include <variant>
+
+#include "deform/error.h"
+
+#include "scene/json_pointer.h"
+#include "scene/scene_rules.h"
 
 namespace deform {
 
@@ -36,8 +42,53 @@ Json Subject::use() const {
   return use;
 }
 
+namespace {
+
+/// Where a plugin of the kind stands in the scene that it is put into.
+std::string place_of(PluginKind kind) {
+  if (kind == PluginKind::shape) return "/surface/rest";
+  if (kind == PluginKind::normal) return "/energies/0/normal";
+  const SceneSection* const section = section_of(kind);
+  if (section == nullptr) throw Error(ExitCode::internal_error, "a kind without a place");
+  return section->pointer() + (section->form == SceneSection::Form::plugins ? "/0" : "");
+}
+
+/// The rest of the scene, where plugins of the kind need another one.
+void suit(PluginKind kind, Json& scene) {
+  switch (kind) {
+    case PluginKind::surface:
+      scene["constraints"] = Json::array();  // its boundary has names that are not known here
+      return;
+    case PluginKind::normal:
+      scene["energies"][0] = {{"plugin", "bending"}, {"xi", 1e-4}};
+      return;
+    case PluginKind::integrator:
+      // Held so that statics has an equilibrium, too, under a load that is no match for the sheet.
+      scene["energies"].push_back({{"plugin", "bending_variational"}, {"xi", 1e-4}});
+      scene["forces"][0]["acceleration"] = {0, 0, -0.01};
+      scene["constraints"][0]["where"] = {{"box", {{-1, -1}, {0.13, 10}}}};
+      return;
+    default:
+      return;
+  }
+}
+
+/// The use at a place of the scene: this one, or one in its parameters.
+const PluginUse* find_use(const PluginUse& use, const std::string& place) {
+  if (use.pointer == place) return &use;
+  if (use.parameters == nullptr || !is_within(place, use.pointer)) return nullptr;
+  for (const auto& [name, value] : use.parameters->entries()) {
+    const auto* const inner = std::get_if<PluginUse>(&value);
+    if (inner == nullptr) continue;
+    if (const PluginUse* const found = find_use(*inner, place)) return found;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
 Json Subject::scene_json(const Terrain& terrain) const {
-  Json use = this->use();
+  constexpr double kStep = 0.002;
   Json scene{
       {"title", "check"},
       {"surface", terrain.surface},
@@ -45,50 +96,12 @@ Json Subject::scene_json(const Terrain& terrain) const {
       {"energies", Json::array({{{"plugin", "stretching"}, {"eta", 0.01}}})},
       {"forces", Json::array({{{"plugin", "gravity"}, {"acceleration", {0, 0, -1}}}})},
       {"constraints", Json::array({{{"plugin", "pin"}, {"where", {{"boundary", "left"}}}}})},
-      {"integrator", {{"plugin", "semi_implicit"}, {"step", 0.002}}},
+      {"integrator", {{"plugin", "semi_implicit"}}},
       {"duration", 0.1},
   };
-  switch (kind()) {
-    case PluginKind::surface:
-      scene["surface"] = use;
-      scene["constraints"] = Json::array();  // its boundary has names that are not known here
-      break;
-    case PluginKind::shape:
-      scene["surface"]["rest"] = use;
-      break;
-    case PluginKind::normal:
-      scene["energies"] = Json::array({{{"plugin", "bending"}, {"xi", 1e-4}, {"normal", use}}});
-      break;
-    case PluginKind::energy:
-      scene["energies"] = Json::array({use});
-      break;
-    case PluginKind::force:
-      scene["forces"] = Json::array({use});
-      break;
-    case PluginKind::constraint:
-      scene["constraints"] = Json::array({use});
-      break;
-    case PluginKind::collider:
-      scene["colliders"] = Json::array({use});
-      break;
-    case PluginKind::integrator:
-      // Held so that statics has an equilibrium, too, under a load that is no match for the sheet.
-      scene["energies"].push_back({{"plugin", "bending_variational"}, {"xi", 1e-4}});
-      scene["forces"][0]["acceleration"] = {0, 0, -0.01};
-      scene["constraints"][0]["where"] = {{"box", {{-1, -1}, {0.13, 10}}}};
-      if (!use.contains("step")) use["step"] = 0.002;
-      scene["integrator"] = use;
-      break;
-    case PluginKind::solver:
-      scene["solver"] = use;
-      break;
-    case PluginKind::output:
-      scene["outputs"] = Json::array({use});
-      break;
-    case PluginKind::probe:
-      scene["probes"] = Json::array({use});
-      break;
-  }
+  suit(kind(), scene);
+  scene[Json::json_pointer(place_of(kind()))] = use();
+  if (!scene["integrator"].contains("step")) scene["integrator"]["step"] = kStep;
   return scene;
 }
 
@@ -100,31 +113,11 @@ Scene Subject::scene(const Terrain& terrain) const {
 Simulation Subject::simulation(const Terrain& terrain) const { return {scene(terrain), registry_}; }
 
 PluginUse Subject::use_in(const Scene& scene) const {
-  switch (kind()) {
-    case PluginKind::surface:
-      return scene.surface;
-    case PluginKind::shape:
-      return scene.surface.parameters->get<PluginUse>("rest");
-    case PluginKind::normal:
-      return scene.energies.front().parameters->get<PluginUse>("normal");
-    case PluginKind::energy:
-      return scene.energies.front();
-    case PluginKind::force:
-      return scene.forces.front();
-    case PluginKind::constraint:
-      return scene.constraints.front();
-    case PluginKind::collider:
-      return scene.colliders.front().use;
-    case PluginKind::integrator:
-      return scene.integrator;
-    case PluginKind::solver:
-      return *scene.solver;
-    case PluginKind::output:
-      return scene.outputs.front().use;
-    case PluginKind::probe:
-      return scene.probes.front().use;
-  }
-  return {};
+  const std::string place = place_of(kind());
+  for (const std::vector<PluginUse>& uses : scene.plugins.values)
+    for (const PluginUse& use : uses)
+      if (const PluginUse* const found = find_use(use, place)) return *found;
+  throw Error(ExitCode::internal_error, "the scene of the check names no plugin at " + place);
 }
 
 }  // namespace deform

@@ -69,7 +69,7 @@ template <class Interface>
 Made<Interface> Subject::make(const Terrain& terrain) const {
   const Scene described = scene(terrain);
   PartMaker maker(described, registry_);
-  auto surface = maker.make<Surface>(described.surface, maker.setup());
+  auto surface = maker.make<Surface>(described.surface(), maker.setup());
   maker.throw_problems();
   if constexpr (std::is_same_v<Interface, Surface>) return {surface->object, surface->object};
   const NodeValues areas = areas_of_mass(*surface->object, described.material);

@@ -11,6 +11,7 @@
 
 #include "compare/forked.h"
 #include "compare/run_names.h"
+#include "plugin/common_parameters.h"
 #include "plugin/guard.h"
 #include "scene/json.h"
 #include "scene/json_pointer.h"
@@ -214,8 +215,8 @@ class Planner {
     for (const auto& [pointer, value] : refinement_of(scene)) put("/surface" + pointer, value);
     put("/integrator/step", fmt::format("{}", scene.step / 4));
     put("/frames", fmt::format(R"({{"every": {}}})", 4 * scene.frame_interval()));
-    for (const RecorderUse& probe : scene.probes)
-      put(probe.use.pointer + "/every", fmt::format("{}", 4 * probe.every));
+    for (const PluginUse& probe : scene.plugins[PluginKind::probe])
+      put(probe.pointer + "/every", fmt::format("{}", 4 * common_parameters<Probe>(probe).every));
     put("/outputs", "[]");
     runs_.push_back({kRefined, read_scene(request_.scene, *registry_, finer, of)});
     return kRefined;
@@ -226,7 +227,7 @@ class Planner {
     const std::string changes = in_child(
         [&] {
           PartMaker maker(scene, registry_);
-          const auto surface = maker.make<Surface>(scene.surface, maker.setup());
+          const auto surface = maker.make<Surface>(scene.surface(), maker.setup());
           maker.throw_problems();
           const auto refinement = guarded(surface->origin, "saying how it is refined",
                                           [&] { return surface->object->refinement(); });

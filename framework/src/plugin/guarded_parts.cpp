@@ -9,8 +9,8 @@
 
 namespace deform {
 
-GuardedShape::GuardedShape(std::string origin, std::shared_ptr<const Plugin> shape)
-    : origin_(std::move(origin)), shape_(std::dynamic_pointer_cast<const Shape>(shape)) {}
+GuardedShape::GuardedShape(std::string origin, std::shared_ptr<const Shape> shape)
+    : origin_(std::move(origin)), shape_(std::move(shape)) {}
 
 NodeVectors GuardedShape::positions(const Eigen::MatrixX2d& parameters, const Vec2& size) const {
   std::optional<InputError> rejected;
@@ -36,9 +36,9 @@ NodeVectors GuardedShape::positions(const Eigen::MatrixX2d& parameters, const Ve
   return r;
 }
 
-GuardedNormal::GuardedNormal(std::string origin, std::shared_ptr<Plugin> normal)
+GuardedNormal::GuardedNormal(std::string origin, std::shared_ptr<NormalEstimator> normal)
     : origin_(std::move(origin)),
-      normal_(std::dynamic_pointer_cast<NormalEstimator>(normal)),
+      normal_(std::move(normal)),
       dependence_(guarded(origin_, "saying what it depends on",
                           [this] { return normal_->dependence(); })) {}
 

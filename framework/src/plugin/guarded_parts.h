@@ -13,7 +13,7 @@ namespace deform {
 /// Lets InputError pass; checks that the positions are finite, and as many as were asked for.
 class GuardedShape final : public Shape {
  public:
-  GuardedShape(std::string origin, std::shared_ptr<const Plugin> shape);
+  GuardedShape(std::string origin, std::shared_ptr<const Shape> shape);
   [[nodiscard]] NodeVectors positions(const Eigen::MatrixX2d& parameters,
                                       const Vec2& size) const override;
 
@@ -24,7 +24,7 @@ class GuardedShape final : public Shape {
 
 class GuardedNormal final : public NormalEstimator {
  public:
-  GuardedNormal(std::string origin, std::shared_ptr<Plugin> normal);
+  GuardedNormal(std::string origin, std::shared_ptr<NormalEstimator> normal);
   void estimate(const GeometryBlock& lagged, Pair ij, AffineNormal& normal) const override;
   [[nodiscard]] Dependence dependence() const override { return dependence_; }
   [[nodiscard]] std::vector<std::string> branches() const override;

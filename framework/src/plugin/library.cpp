@@ -11,23 +11,11 @@
 #include <boost/dll/shared_library.hpp>
 
 #include "deform/error.h"
-#include "deform/model/collider.h"
-#include "deform/model/constraint.h"
-#include "deform/model/energy_term.h"
-#include "deform/model/force_field.h"
-#include "deform/model/normal_estimator.h"
-#include "deform/record/output.h"
-#include "deform/record/probe.h"
-#include "deform/solve/integrator.h"
-#include "deform/solve/linear_solver.h"
-#include "deform/surface/shape.h"
-#include "deform/surface/surface.h"
 
 #include "plugin/boundary.h"
 #include "plugin/elf_check.h"
-#include "plugin/guarded_parts.h"
+#include "plugin/interface_check.h"
 #include "plugin/plugin_call.h"
-#include "surface/surface_check.h"
 
 namespace deform {
 namespace {
@@ -126,34 +114,6 @@ void check_fields(const LoadedPlugin& plugin) {
   }
 }
 
-bool is_of_kind(const Plugin* object, PluginKind kind) {
-  switch (kind) {
-    case PluginKind::surface:
-      return dynamic_cast<const Surface*>(object) != nullptr;
-    case PluginKind::shape:
-      return dynamic_cast<const Shape*>(object) != nullptr;
-    case PluginKind::normal:
-      return dynamic_cast<const NormalEstimator*>(object) != nullptr;
-    case PluginKind::energy:
-      return dynamic_cast<const EnergyTerm*>(object) != nullptr;
-    case PluginKind::force:
-      return dynamic_cast<const ForceField*>(object) != nullptr;
-    case PluginKind::constraint:
-      return dynamic_cast<const Constraint*>(object) != nullptr;
-    case PluginKind::collider:
-      return dynamic_cast<const Collider*>(object) != nullptr;
-    case PluginKind::integrator:
-      return dynamic_cast<const Integrator*>(object) != nullptr;
-    case PluginKind::solver:
-      return dynamic_cast<const LinearSolver*>(object) != nullptr;
-    case PluginKind::output:
-      return dynamic_cast<const Output*>(object) != nullptr;
-    case PluginKind::probe:
-      return dynamic_cast<const Probe*>(object) != nullptr;
-  }
-  return false;
-}
-
 }  // namespace
 
 bool is_plugin_name(std::string_view name) {
@@ -167,10 +127,10 @@ std::optional<PluginFile> plugin_file(const std::filesystem::path& path) {
   const std::string stem = path.stem().string();
   const std::size_t dash = stem.find('-');
   if (path.extension() != ".so" || dash == std::string::npos) return std::nullopt;
-  const auto kind = std::find(kPluginKinds.begin(), kPluginKinds.end(), stem.substr(0, dash));
+  const std::optional<PluginKind> kind = kind_named(stem.substr(0, dash));
   const std::string name = stem.substr(dash + 1);
-  if (kind == kPluginKinds.end() || !is_plugin_name(name)) return std::nullopt;
-  return PluginFile{static_cast<PluginKind>(kind - kPluginKinds.begin()), name, path};
+  if (!kind || !is_plugin_name(name)) return std::nullopt;
+  return PluginFile{*kind, name, path};
 }
 
 LoadedPlugin::LoadedPlugin(PluginFile file, std::shared_ptr<void> library,
@@ -201,31 +161,13 @@ std::shared_ptr<Plugin> LoadedPlugin::create(const ParameterValues& values,
   } catch (...) {
     throw PluginFailure(who + " could not be made: " + cause_of_current_exception());
   }
-  if (!is_of_kind(object.get(), file_.kind)) {
-    throw PluginFailure(who + " made an object that is no " + std::string(name_of(file_.kind)) +
-                        " plugin");
-  }
   // Not shared by make_shared: the object's memory, and the code that frees it, are the library's,
   // which the deleter keeps loaded.
   std::shared_ptr<Plugin> shared(object.release(), [library = library_, who](Plugin* plugin) {
     const PluginCall last(who, "being destroyed");
     delete plugin;
   });
-  return checked(std::move(shared));
-}
-
-std::shared_ptr<Plugin> LoadedPlugin::checked(std::shared_ptr<Plugin> object) const {
-  switch (file_.kind) {
-    case PluginKind::surface:
-      check_surface(dynamic_cast<const Surface&>(*object), origin());
-      return object;
-    case PluginKind::shape:
-      return std::make_shared<GuardedShape>(origin(), std::move(object));
-    case PluginKind::normal:
-      return std::make_shared<GuardedNormal>(origin(), std::move(object));
-    default:
-      return object;
-  }
+  return through_interface(std::move(shared), file_.kind, who);
 }
 
 LoadedPlugin load_plugin(const std::filesystem::path& library) {

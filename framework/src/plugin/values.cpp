@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "deform/error.h"
+
 namespace deform {
 namespace {
 
@@ -26,6 +28,11 @@ double interpolate(const std::vector<Point>& points, double time) {
 }
 
 }  // namespace
+
+void require_kind(const PluginUse& use, PluginKind kind) {
+  if (use.kind != kind)
+    throw InputError({{use.pointer, "plugin '" + use.name + "' is of another kind"}});
+}
 
 double TimeProfile::operator()(double time) const {
   if (points.empty()) return 1;

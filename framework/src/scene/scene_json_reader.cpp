@@ -10,6 +10,7 @@
 
 #include "deform/model/materials.h"
 
+#include "plugin/common_parameters.h"
 #include "scene/json_pointer.h"
 #include "scene/scene_rules.h"
 #include "scene/value_json.h"
@@ -85,9 +86,7 @@ class SectionReader {
 
   Scene read() {
     std::vector<std::string> keys;
-    for (const SceneSection& section : scene_sections()) {
-      keys.push_back(section.key);
-    }
+    for (const SceneSection& section : scene_sections()) keys.push_back(section.key());
     note_unknown_keys(json_, keys, "", "a scene", problems_);
     for (const SceneSection& section : scene_sections()) read(section);
     check_duration();
@@ -101,7 +100,7 @@ class SectionReader {
       case Form::note:
         return read_note(section);
       case Form::value:
-        return reader_.member(json_, section.fields.front(), "", values_);
+        return reader_.member(json_, section.fields().front(), "", values_);
       case Form::object:
         return read_object(section);
       case Form::velocity:
@@ -109,82 +108,88 @@ class SectionReader {
       case Form::plugin:
         return read_plugin(section);
       case Form::plugins:
-        return read_plugins(section);
+        plugins_[section.kind] = read_plugins(section);
+        return;
+      case Form::shadows:
+        shadowing_ = read_plugins(section);
+        return;
       case Form::variants:
-        json_.erase(section.key);
+        json_.erase(section.key());
         return;
     }
   }
 
   void read_note(const SceneSection& section) {
-    const auto found = json_.find(section.key);
+    const auto found = json_.find(section.key());
     if (found == json_.end()) return;
     if (!found->is_string()) {
-      problems_.add('/' + section.key, "found " + shown(*found) + ", expected text");
+      problems_.add(section.pointer(), "found " + shown(*found) + ", expected text");
     }
     // It may be a path that starts from the scene's folder; the completed scene lies elsewhere.
-    json_.erase(section.key);
+    json_.erase(section.key());
   }
 
   void read_object(const SceneSection& section) {
-    const std::string pointer = '/' + section.key;
-    if (!json_.contains(section.key)) json_[section.key] = Json::object();
-    Json& object = json_[section.key];
-    if (section.key == kMaterial) density_is_given_ = object.contains(kDensity);
+    const std::string key = section.key(), pointer = section.pointer();
+    if (!json_.contains(key)) json_[key] = Json::object();
+    Json& object = json_[key];
+    if (key == kMaterial) density_is_given_ = object.contains(kDensity);
     if (!object.is_object()) {
       problems_.add(pointer, "found " + shown(object) + ", expected an object");
       return;
     }
-    objects_[section.key] = reader_.members(object, section.fields, pointer, section.key);
-    if (!section.of_run) json_.erase(section.key);
+    objects_[key] = reader_.members(object, section.fields(), pointer, key);
+    if (!section.of_run) json_.erase(key);
   }
 
   void read_initial_velocity(const SceneSection& section) {
-    if (!json_.contains(section.key)) {
-      json_[section.key] = to_json(section.fields.front().default_value);
-    }
+    const std::string key = section.key();
+    if (!json_.contains(key)) json_[key] = to_json(section.fields().front().default_value);
     PlainReader reader(problems_);
-    if (auto velocity =
-            read_velocity(json_[section.key], section.fields, '/' + section.key, reader)) {
+    if (auto velocity = read_velocity(json_[key], section.fields(), section.pointer(), reader)) {
       velocity_ = std::move(*velocity);
     }
   }
 
   void read_plugin(const SceneSection& section) {
-    const auto found = json_.find(section.key);
+    const auto found = json_.find(section.key());
     if (found != json_.end()) {
-      uses_[section.key] = {reader_.plugin(*found, section.kind, '/' + section.key)};
+      plugins_[section.kind] = {reader_.plugin(*found, section.kind, section.pointer())};
     } else if (section.required) {
-      problems_.add("", shown(section.key) + " is missing: the plugin to use");
+      problems_.add("", shown(section.key()) + " is missing: the plugin to use");
     }
   }
 
-  void read_plugins(const SceneSection& section) {
-    const std::string pointer = '/' + section.key;
-    if (!json_.contains(section.key)) json_[section.key] = Json::array();
-    Json& array = json_[section.key];
+  std::vector<PluginUse> read_plugins(const SceneSection& section) {
+    const std::string key = section.key(), pointer = section.pointer();
+    if (!json_.contains(key)) json_[key] = Json::array();
+    Json& array = json_[key];
     if (!array.is_array()) {
       problems_.add(pointer, "found " + shown(array) + ", expected a list of " +
                                  std::string(name_of(section.kind)) + " plugins");
-      return;
+      return {};
     }
     if (array.size() > kMostPlugins) {
-      problems_.add(pointer, "found " + std::to_string(array.size()) + " " + section.key +
+      problems_.add(pointer, "found " + std::to_string(array.size()) + " " + key +
                                  ", expected at most " + std::to_string(kMostPlugins));
-      return;
+      return {};
     }
-    auto& uses = uses_[section.key];
+    std::vector<PluginUse> uses;
     for (std::size_t i = 0; i < array.size(); ++i) {
       uses.push_back(reader_.plugin(array[i], section.kind, child_pointer(pointer, i)));
     }
+    return uses;
+  }
+
+  /// [s]; 0 where there is none that could be read.
+  [[nodiscard]] double integrator_step() const {
+    const auto& integrators = plugins_[PluginKind::integrator];
+    return integrators.empty() ? 0 : common_parameters<Integrator>(integrators.front()).step;
   }
 
   void check_duration() {
-    const auto& integrator = uses_["integrator"];
-    const bool has_step = !integrator.empty() && integrator.front().parameters != nullptr &&
-                          integrator.front().parameters->has("step");
-    if (!has_step || !values_.has("duration")) return;
-    const double step = integrator.front().parameters->get<double>("step");
+    const double step = integrator_step();
+    if (step == 0 || !values_.has("duration")) return;
     const double steps = values_.get<double>("duration") / step;
     if (std::round(steps) < 1) {
       problems_.add("/duration", "found " + shown(json_["duration"]) +
@@ -197,8 +202,8 @@ class SectionReader {
   }
 
   void check_shadows() {
-    const std::size_t shadows = uses_["shadow"].size();
-    const auto& energies = uses_["energies"];
+    const std::size_t shadows = shadowing_.size();
+    const auto& energies = plugins_[PluginKind::energy];
     const auto terms = static_cast<std::size_t>(std::ranges::count_if(energies, takes_normal));
     const bool terms_are_known = !problems_.any_within("/energies");
     if (shadows > 0 && terms == 0 && terms_are_known) {
@@ -210,25 +215,6 @@ class SectionReader {
                                    std::to_string(terms) + " energy terms, expected at most " +
                                    std::to_string(kMostShadows) + " of all together");
     }
-  }
-
-  std::vector<ColliderUse> colliders() {
-    std::vector<ColliderUse> colliders;
-    for (PluginUse& use : uses_["colliders"]) {
-      const auto friction = use.parameters->get<double>("friction");
-      const auto thickness = use.parameters->get<double>("thickness");
-      colliders.push_back({std::move(use), friction, thickness});
-    }
-    return colliders;
-  }
-
-  std::vector<RecorderUse> recorders(const std::string& key) {
-    std::vector<RecorderUse> recorders;
-    for (PluginUse& use : uses_[key]) {
-      const auto every = use.parameters->get<std::int64_t>("every");
-      recorders.push_back({std::move(use), every});
-    }
-    return recorders;
   }
 
   Material material() {
@@ -244,23 +230,16 @@ class SectionReader {
   Scene scene() {
     Scene scene;
     scene.title = values_.get<std::string>("title");
-    scene.surface = uses_["surface"].front();
+    const auto& energies = plugins_[PluginKind::energy];
     scene.material = material();
     scene.density_is_given = density_is_given_;
-    scene.energies = uses_["energies"];
     // A default that does not hold must not be read as given when the scene is run again.
-    if (!density_is_given_ && std::ranges::any_of(scene.energies, names_material))
+    if (!density_is_given_ && std::ranges::any_of(energies, names_material))
       json_[kMaterial].erase(std::string(kDensity));
-    scene.forces = uses_["forces"];
-    scene.constraints = uses_["constraints"];
-    scene.colliders = colliders();
-    scene.integrator = uses_["integrator"].front();
-    scene.step = scene.integrator.parameters->get<double>("step");
+    scene.step = integrator_step();
     scene.duration = values_.get<double>("duration");
-    if (const auto& solver = uses_["solver"]; !solver.empty()) scene.solver = solver.front();
-    scene.outputs = recorders("outputs");
-    scene.probes = recorders("probes");
-    scene.shadows = shadows_of(uses_["shadow"], scene.energies);
+    scene.shadows = shadows_of(shadowing_, energies);
+    scene.plugins = std::move(plugins_);
     scene.velocity = velocity_;
     scene.max_distance = objects_["limits"].get<double>("distance");
     scene.checkpoint_every = objects_["checkpoint"].get<std::int64_t>("every");
@@ -277,32 +256,16 @@ class SectionReader {
 
   /// What nothing is wrong with, of a scene that has problems.
   Scene sound_parts() {
-    const auto sound = [this](const std::string& key) {
-      std::vector<PluginUse> uses = uses_[key];
+    Scene scene;
+    for (std::vector<PluginUse>& uses : plugins_.values) {
       std::erase_if(uses, [this](const PluginUse& use) {
         return use.parameters == nullptr || problems_.any_within(use.pointer);
       });
-      return uses;
-    };
-    const auto recorders_of = [](const std::vector<PluginUse>& uses) {
-      std::vector<RecorderUse> recorders;
-      recorders.reserve(uses.size());
-      for (const PluginUse& use : uses) recorders.push_back({use});
-      return recorders;
-    };
-    Scene scene;
-    const std::vector<PluginUse> surface = sound("surface");
-    if (surface.empty()) return scene;
-    scene.surface = surface.front();
-    scene.energies = sound("energies");
-    scene.forces = sound("forces");
-    scene.constraints = sound("constraints");
-    for (const PluginUse& use : sound("colliders")) scene.colliders.push_back({use});
-    scene.outputs = recorders_of(sound("outputs"));
-    scene.probes = recorders_of(sound("probes"));
-    if (!problems_.any_within("/shadow")) {
-      scene.shadows = shadows_of(uses_["shadow"], scene.energies);
     }
+    if (!problems_.any_within("/shadow")) {
+      scene.shadows = shadows_of(shadowing_, plugins_[PluginKind::energy]);
+    }
+    scene.plugins = std::move(plugins_);
     return scene;
   }
 
@@ -313,7 +276,8 @@ class SectionReader {
   ParameterValues values_;
   InitialVelocity velocity_;
   std::map<std::string, ParameterValues> objects_;
-  std::map<std::string, std::vector<PluginUse>> uses_;
+  PerKind<std::vector<PluginUse>> plugins_;  // that take part in the run
+  std::vector<PluginUse> shadowing_;
 };
 
 }  // namespace

@@ -1,5 +1,9 @@
 #include "scene/scene_rules.h"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "deform/plugin/setup.h"
 #include "deform/simulation/scene.h"
 
@@ -113,56 +117,84 @@ struct ComparisonRules {
   }
 };
 
-SceneSection value(ParameterFields fields) {
-  const std::string key = fields.front().name;
-  return {key, Form::value, {}, fields.front().required, std::move(fields)};
+template <class Rules>
+const ParameterFields& declared() {
+  static const ParameterFields fields = fields_of<Rules>();
+  return fields;
 }
 
-SceneSection object(const std::string& key, ParameterFields fields) {
-  return {key, Form::object, {}, false, std::move(fields)};
+template <class Rules>
+constexpr SceneSection value(std::string_view name) {
+  return {.name = name, .form = Form::value, .fields = declared<Rules>};
 }
 
-SceneSection plugin(PluginKind kind, bool required) {
-  return {std::string(name_of(kind)), Form::plugin, kind, required, {}};
+template <class Rules>
+constexpr SceneSection object(std::string_view name) {
+  return {.name = name, .form = Form::object, .fields = declared<Rules>};
 }
 
-SceneSection plugins(const std::string& key, PluginKind kind) {
-  return {key, Form::plugins, kind, false, {}};
+template <class Rules>
+constexpr SceneSection object_of_comparison(std::string_view name) {
+  return {.name = name, .form = Form::object, .fields = declared<Rules>, .of_run = false};
 }
 
-SceneSection of_comparison(SceneSection section) {
-  section.of_run = false;
-  return section;
+constexpr SceneSection one(PluginKind kind) {
+  return {.name = name_of(kind), .form = Form::plugin, .kind = kind, .required = true};
 }
 
-SceneSection other(const std::string& key, Form form) { return {key, form, {}, false, {}}; }
+constexpr SceneSection at_most_one(PluginKind kind) {
+  return {.name = name_of(kind), .form = Form::plugin, .kind = kind};
+}
+
+constexpr SceneSection any_number(PluginKind kind) {
+  return {.name = plural_of(kind), .form = Form::plugins, .kind = kind};
+}
+
+constexpr std::array kSections{
+    SceneSection{.name = "$schema", .form = Form::note},
+    value<Title>("title"),
+    one(PluginKind::surface),
+    object<MaterialRules>("material"),
+    any_number(PluginKind::energy),
+    any_number(PluginKind::force),
+    any_number(PluginKind::constraint),
+    any_number(PluginKind::collider),
+    SceneSection{.name = "velocity", .form = Form::velocity, .fields = declared<VelocityRules>},
+    one(PluginKind::integrator),
+    value<Duration>("duration"),
+    at_most_one(PluginKind::solver),
+    object<Limits>("limits"),
+    object<CheckpointRules>("checkpoint"),
+    object<FrameRules>("frames"),
+    any_number(PluginKind::output),
+    any_number(PluginKind::probe),
+    SceneSection{.name = "shadow", .form = Form::shadows, .kind = PluginKind::normal},
+    object_of_comparison<ComparisonRules>("comparison"),
+    SceneSection{.name = "variants", .form = Form::variants},
+};
+
+/// Kinds of which only parameters of other plugins name any.
+constexpr std::array kNestedKinds{PluginKind::shape, PluginKind::normal};
+
+constexpr auto names_parts_of(PluginKind kind) {
+  return [kind](const SceneSection& s) { return s.names_parts() && s.kind == kind; };
+}
+
+static_assert(std::ranges::all_of(kPluginKinds,
+                                  [](PluginKind kind) {
+                                    return std::ranges::count_if(kSections, names_parts_of(kind)) +
+                                               std::ranges::count(kNestedKinds, kind) ==
+                                           1;
+                                  }),
+              "plugins of a kind stand at one key of the scene, or in parameters alone");
 
 }  // namespace
 
-const std::vector<SceneSection>& scene_sections() {
-  static const std::vector<SceneSection> sections{
-      other("$schema", Form::note),
-      value(fields_of<Title>()),
-      plugin(PluginKind::surface, true),
-      object("material", fields_of<MaterialRules>()),
-      plugins("energies", PluginKind::energy),
-      plugins("forces", PluginKind::force),
-      plugins("constraints", PluginKind::constraint),
-      plugins("colliders", PluginKind::collider),
-      {"velocity", Form::velocity, {}, false, fields_of<VelocityRules>()},
-      plugin(PluginKind::integrator, true),
-      value(fields_of<Duration>()),
-      plugin(PluginKind::solver, false),
-      object("limits", fields_of<Limits>()),
-      object("checkpoint", fields_of<CheckpointRules>()),
-      object("frames", fields_of<FrameRules>()),
-      plugins("outputs", PluginKind::output),
-      plugins("probes", PluginKind::probe),
-      plugins("shadow", PluginKind::normal),
-      of_comparison(object("comparison", fields_of<ComparisonRules>())),
-      other("variants", Form::variants),
-  };
-  return sections;
+std::span<const SceneSection> scene_sections() { return kSections; }
+
+const SceneSection* section_of(PluginKind kind) {
+  const auto found = std::ranges::find_if(kSections, names_parts_of(kind));
+  return found == kSections.end() ? nullptr : &*found;
 }
 
 }  // namespace deform

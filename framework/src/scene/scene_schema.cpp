@@ -88,14 +88,15 @@ Json kind_schema(PluginKind kind, const std::vector<const LoadedPlugin*>& plugin
 Json section_schema(const SceneSection& section) {
   switch (section.form) {
     case Form::value:
-      return field_schema(section.fields.front(), kind_reference);
+      return field_schema(section.fields().front(), kind_reference);
     case Form::object:
-      return fields_schema({&section.fields}, kind_reference);
+      return fields_schema({&section.fields()}, kind_reference);
     case Form::velocity:
-      return velocity_schema(section.fields);
+      return velocity_schema(section.fields());
     case Form::plugin:
       return kind_reference(section.kind);
     case Form::plugins:
+    case Form::shadows:
       return Json{
           {"type", "array"}, {"maxItems", kMostPlugins}, {"items", kind_reference(section.kind)}};
     case Form::note:
@@ -115,13 +116,13 @@ Json changes_schema() {
                {"patternProperties", Json::object()}};
   for (const SceneSection& section : scene_sections()) {
     if (section.form == Form::variants) continue;
-    const std::string pointer = '/' + section.key;
+    const std::string pointer = section.pointer();
     changes["properties"][pointer] = section_schema(section);
-    if (section.form == Form::plugins) {
+    if (section.form == Form::plugins || section.form == Form::shadows) {
       changes["patternProperties"]["^" + pointer + "/([0-9]+|-)$"] = kind_reference(section.kind);
     }
     if (section.form != Form::object && section.form != Form::velocity) continue;
-    for (const ParameterField& field : section.fields) {
+    for (const ParameterField& field : section.fields()) {
       changes["properties"][pointer + '/' + field.name] = section.form == Form::object
                                                               ? field_schema(field, kind_reference)
                                                               : velocity_member_schema(field);
@@ -140,7 +141,7 @@ Json variants_schema() {
 }
 
 bool is_required(const SceneSection& section) {
-  return section.required || (section.form == Form::value && section.fields.front().required);
+  return section.required || (section.form == Form::value && section.fields().front().required);
 }
 
 }  // namespace
@@ -148,12 +149,11 @@ bool is_required(const SceneSection& section) {
 std::string scene_schema(const PluginRegistry& registry) {
   Json properties = Json::object(), required = Json::array(), definitions = Json::object();
   for (const SceneSection& section : scene_sections()) {
-    properties[section.key] = section_schema(section);
-    if (is_required(section)) required.push_back(section.key);
+    properties[section.key()] = section_schema(section);
+    if (is_required(section)) required.push_back(section.key());
   }
   definitions["variants"] = variants_schema();
-  for (std::size_t k = 0; k < kPluginKinds.size(); ++k) {
-    const auto kind = static_cast<PluginKind>(k);
+  for (const PluginKind kind : kPluginKinds) {
     const auto plugins = loaded_plugins(registry, kind);
     definitions[std::string(name_of(kind))] = kind_schema(kind, plugins);
     for (const LoadedPlugin* plugin : plugins) {

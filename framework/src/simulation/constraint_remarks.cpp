@@ -128,7 +128,7 @@ class Remarks {
     PartMaker maker(scene_, simulation.registry());
     const System& system = simulation.system();
     const Setup setup = maker.setup(system.surface(), system.surface().rest(), system.areas());
-    for (const PluginUse& use : scene_.constraints) {
+    for (const PluginUse& use : scene_.plugins[PluginKind::constraint]) {
       auto made = maker.make<Constraint>(use, setup);
       if (!made) continue;
       Reduction reduction(initial_.rows());
@@ -180,7 +180,7 @@ class Remarks {
 }  // namespace
 
 std::vector<Problem> constraint_remarks(Simulation& simulation) {
-  if (simulation.scene().constraints.empty()) return {};
+  if (simulation.scene().plugins[PluginKind::constraint].empty()) return {};
   try {
     return Remarks(simulation).all();
   } catch (const Error&) {

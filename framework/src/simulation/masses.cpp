@@ -68,7 +68,8 @@ void check_areas(const Scene& scene, const NodeValues& areas, PartMaker& maker) 
                 "has no area around node {}, which would have no mass: another shape, or "
                 "the material's \"mass\": \"parameters\"",
                 smallest);
-  const bool has_shape = scene.surface.parameters && scene.surface.parameters->has("rest");
+  const auto& parameters = scene.surface().parameters;
+  const bool has_shape = parameters && parameters->has("rest");
   const std::string pointer = has_shape ? "/surface/rest" : "/surface";
   maker.add({{pointer, fmt::format("at {}: the rest surface {}", pointer, why)}});
 }

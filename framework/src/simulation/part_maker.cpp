@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace deform {
 
 PartMaker::PartMaker(const Scene& scene, std::shared_ptr<const PluginRegistry> registry)
@@ -32,6 +34,23 @@ void PartMaker::throw_problems() const {
   std::vector<Problem> placed;
   for (const Problem& problem : problems_) placed.push_back(scene_.located(problem));
   throw InputError(std::move(placed));
+}
+
+std::optional<Named<Plugin>> PartMaker::make_any(const PluginUse& use, const Setup& setup) {
+  try {
+    auto object = registry_->create(use, setup);
+    Named<Plugin> part{unique_name(use.kind, use.name),
+                       registry_->load(use.kind, use.name).origin(), std::move(object)};
+    made_.push_back({fmt::format("{}/{}", name_of(use.kind), part.name), part.origin, part.object});
+    return part;
+  } catch (const InputError& e) {
+    add(e.problems());
+    return std::nullopt;
+  }
+}
+
+void PartMaker::try_all(PluginKind kind, const Setup& setup) {
+  for (const PluginUse& use : scene_.plugins[kind]) (void)make_any(use, setup);
 }
 
 std::string PartMaker::unique_name(PluginKind kind, const std::string& name) {

@@ -1,15 +1,11 @@
 /// Makes the plugin objects that a scene names.
 #pragma once
 
-#include <iterator>
-#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "deform/error.h"
 #include "deform/plugin/registry.h"
@@ -18,6 +14,13 @@
 #include "deform/solve/system.h"
 
 namespace deform {
+
+/// A plugin object as checkpoints know it.
+struct MadePart {
+  std::string section;  ///< that its memory is kept under: "energy/bending"
+  std::string origin;
+  std::shared_ptr<Plugin> object;
+};
 
 /// Makes plugin objects one by one and collects what is wrong with any of them, so that a user sees
 /// all of it at once.
@@ -38,34 +41,39 @@ class PartMaker {
   template <class Interface>
   [[nodiscard]] std::vector<Named<Interface>> make_all(const std::vector<PluginUse>& uses,
                                                        const Setup& setup);
+  /// All of the kind that the scene names, likewise.
+  template <class Interface>
+  [[nodiscard]] std::vector<Named<Interface>> make_all(const Setup& setup) {
+    return make_all<Interface>(scene_.plugins[Interface::kKind], setup);
+  }
+  /// Makes all of a kind that the scene names, for the problems that show then.
+  void try_all(PluginKind kind, const Setup& setup);
 
+  /// All that could be made so far, in this order.
+  [[nodiscard]] const std::vector<MadePart>& made() const { return made_; }
   [[nodiscard]] const std::vector<Problem>& problems() const { return problems_; }
   void add(const std::vector<Problem>& problems);
   /// Throws InputError with all problems, each with its place in the scene, when there are any.
   void throw_problems() const;
 
  private:
+  [[nodiscard]] std::optional<Named<Plugin>> make_any(const PluginUse& use, const Setup& setup);
   [[nodiscard]] std::string unique_name(PluginKind kind, const std::string& name);
 
   const Scene& scene_;
   std::shared_ptr<const PluginRegistry> registry_;
-  std::map<PluginKind, std::set<std::string>> names_;
+  PerKind<std::set<std::string>> names_;
+  std::vector<MadePart> made_;
   std::vector<Problem> problems_;
 };
 
 template <class Interface>
 std::optional<Named<Interface>> PartMaker::make(const PluginUse& use, const Setup& setup) {
-  try {
-    auto object = std::dynamic_pointer_cast<Interface>(registry_->create(use, setup));
-    const std::string origin = registry_->load(use.kind, use.name).origin();
-    if (!object) {
-      throw PluginFailure(fmt::format("{} made an object of another kind", origin));
-    }
-    return Named<Interface>{unique_name(use.kind, use.name), origin, std::move(object)};
-  } catch (const InputError& e) {
-    add(e.problems());
-    return std::nullopt;
-  }
+  require_kind(use, Interface::kKind);
+  auto part = make_any(use, setup);
+  if (!part) return std::nullopt;
+  return Named<Interface>{std::move(part->name), std::move(part->origin),
+                          std::static_pointer_cast<Interface>(std::move(part->object))};
 }
 
 template <class Interface>

@@ -26,9 +26,6 @@ class Collector {
   void add(const std::vector<PluginUse>& uses) {
     for (const PluginUse& use : uses) add(use);
   }
-  void add(const std::vector<RecorderUse>& uses) {
-    for (const RecorderUse& use : uses) add(use.use);
-  }
 
   [[nodiscard]] std::vector<const LoadedPlugin*> found() const {
     std::vector<const LoadedPlugin*> plugins;
@@ -45,15 +42,8 @@ class Collector {
 
 std::vector<const LoadedPlugin*> plugins_used(const Scene& scene, const PluginRegistry& registry) {
   Collector collector(registry);
-  collector.add(scene.surface);
-  collector.add(scene.energies);
-  collector.add(scene.forces);
-  collector.add(scene.constraints);
-  for (const ColliderUse& collider : scene.colliders) collector.add(collider.use);
-  collector.add(scene.integrator);
+  for (const std::vector<PluginUse>& uses : scene.plugins.values) collector.add(uses);
   collector.add(solver_uses(scene, registry).uses);
-  collector.add(scene.outputs);
-  collector.add(scene.probes);
   for (const ShadowUse& shadow : scene.shadows) collector.add(shadow.normal);
   return collector.found();
 }

@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "plugin/common_parameters.h"
 #include "plugin/guard.h"
 #include "profile/profile.h"
 #include "simulation/memory_sections.h"
@@ -35,11 +36,11 @@ bool is_written(double figure) {
 
 }  // namespace
 
-ProbeRecorder::ProbeRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker,
+ProbeRecorder::ProbeRecorder(const std::vector<PluginUse>& uses, PartMaker& maker,
                              const Setup& setup) {
-  for (const RecorderUse& use : uses) {
-    if (auto probe = maker.make<Probe>(use.use, setup)) {
-      probes_.push_back({std::move(*probe), use.every, use.use.pointer});
+  for (const PluginUse& use : uses) {
+    if (auto probe = maker.make<Probe>(use, setup)) {
+      probes_.push_back({std::move(*probe), common_parameters<Probe>(use).every, use.pointer});
     }
   }
 }
@@ -160,20 +161,20 @@ void ProbeRecorder::record(const Frame& frame, bool all) {
   last_row_ = frame.step;
 }
 
-OutputRecorder::OutputRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker,
+OutputRecorder::OutputRecorder(const std::vector<PluginUse>& uses, PartMaker& maker,
                                const Setup& setup) {
   std::map<std::string, std::string> pointers;  // by place
-  for (const RecorderUse& use : uses) {
-    auto output = maker.make<Output>(use.use, setup);
+  for (const PluginUse& use : uses) {
+    auto output = maker.make<Output>(use, setup);
     if (!output) continue;
     const std::string place =
         guarded(output->origin, "saying where it writes", [&] { return output->object->place(); });
-    const auto [first, is_new] = pointers.emplace(place, use.use.pointer);
+    const auto [first, is_new] = pointers.emplace(place, use.pointer);
     if (!place.empty() && !is_new)
-      maker.add({{use.use.pointer, fmt::format("at {}: writes into \"{}\" of the run directory, as "
-                                               "the output at {} does: keep one of them",
-                                               use.use.pointer, place, first->second)}});
-    outputs_.push_back({std::move(*output), use.every, place});
+      maker.add({{use.pointer, fmt::format("at {}: writes into \"{}\" of the run directory, as "
+                                           "the output at {} does: keep one of them",
+                                           use.pointer, place, first->second)}});
+    outputs_.push_back({std::move(*output), common_parameters<Output>(use).every, place});
   }
 }
 

@@ -21,7 +21,7 @@ namespace deform {
 class ProbeRecorder {
  public:
   /// Makes the probes; problems are left with the maker.
-  ProbeRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker, const Setup& setup);
+  ProbeRecorder(const std::vector<PluginUse>& uses, PartMaker& maker, const Setup& setup);
 
   /// Adds a probe that no plugin made, which the scene asks for at `pointer`. It measures whenever
   /// another one does; where there is none, at every step.
@@ -78,7 +78,7 @@ class ProbeRecorder {
 /// Hands frames to a scene's outputs.
 class OutputRecorder {
  public:
-  OutputRecorder(const std::vector<RecorderUse>& uses, PartMaker& maker, const Setup& setup);
+  OutputRecorder(const std::vector<PluginUse>& uses, PartMaker& maker, const Setup& setup);
   void begin(const RunContext& context);
   /// Writes the outputs that are due at this step, or all; none twice at a step. What can wait
   /// goes into the queue.

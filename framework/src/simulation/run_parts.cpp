@@ -26,16 +26,16 @@ RunParts make_run_parts(const Scene& scene, const std::shared_ptr<const PluginRe
   } catch (const InputError& e) {
     // Look at probes and outputs all the same, if there is a surface for them to look at.
     PartMaker again(scene, registry);
-    if (auto made = again.make<Surface>(scene.surface, again.setup())) own = made->object;
+    if (auto made = again.make<Surface>(scene.surface(), again.setup())) own = made->object;
     surface = own.get();
     maker.add(e.problems());
   }
   if (surface != nullptr) {
     const NodeValues areas = areas_of_mass(*surface, scene.material);
     const Setup setup = maker.setup(*surface, surface->rest(), areas);
-    parts.probes.emplace(scene.probes, maker, setup);
+    parts.probes.emplace(scene.plugins[PluginKind::probe], maker, setup);
     add_shadows(scene, *registry, maker, setup, *parts.probes);
-    parts.outputs.emplace(scene.outputs, maker, setup);
+    parts.outputs.emplace(scene.plugins[PluginKind::output], maker, setup);
   }
   maker.throw_problems();
   return parts;
@@ -62,20 +62,26 @@ void begin_probes(RunParts& parts, const RunContext& context) {
   }
 }
 
+namespace {
+
+/// Before all others, or by a recorder that has rules of its own.
+bool made_otherwise(PluginKind kind) {
+  return kind == PluginKind::surface || kind == PluginKind::probe || kind == PluginKind::output;
+}
+
+}  // namespace
+
 std::vector<Problem> problems_of_sound_parts(const Scene& scene, const PluginRegistry& registry) {
-  if (scene.surface.parameters == nullptr) return {};
+  if (scene.plugins[PluginKind::surface].empty()) return {};
   PartMaker maker(scene, {std::shared_ptr<const PluginRegistry>(), &registry});
-  if (const auto surface = maker.make<Surface>(scene.surface, maker.setup())) {
+  if (const auto surface = maker.make<Surface>(scene.surface(), maker.setup())) {
     const NodeValues areas = areas_of_mass(*surface->object, scene.material);
     const Setup setup = maker.setup(*surface->object, surface->object->rest(), areas);
-    (void)maker.make_all<EnergyTerm>(scene.energies, setup);
-    (void)maker.make_all<ForceField>(scene.forces, setup);
-    (void)maker.make_all<Constraint>(scene.constraints, setup);
-    for (const ColliderUse& collider : scene.colliders)
-      (void)maker.make<Collider>(collider.use, setup);
-    ProbeRecorder probes(scene.probes, maker, setup);
+    for (const PluginKind kind : kPluginKinds)
+      if (!made_otherwise(kind)) maker.try_all(kind, setup);
+    ProbeRecorder probes(scene.plugins[PluginKind::probe], maker, setup);
     add_shadows(scene, registry, maker, setup, probes);
-    const OutputRecorder outputs(scene.outputs, maker, setup);
+    const OutputRecorder outputs(scene.plugins[PluginKind::output], maker, setup);
   }
   return maker.problems();
 }
@@ -103,11 +109,13 @@ namespace {
 
 /// What the integrator is told to no effect.
 void add_remarks_on_integrator(const Scene& scene, std::vector<Problem>& remarks) {
-  const auto& parameters = scene.integrator.parameters;
-  if (scene.colliders.empty() || parameters == nullptr || !parameters->has("newton_error")) return;
+  const auto& parameters = scene.integrator().parameters;
+  if (scene.plugins[PluginKind::collider].empty() || parameters == nullptr ||
+      !parameters->has("newton_error"))
+    return;
   const auto* error = std::get_if<double>(&parameters->at("newton_error"));
   if (error == nullptr || *error == 0) return;
-  const std::string pointer = scene.integrator.pointer + "/newton_error";
+  const std::string pointer = scene.integrator().pointer + "/newton_error";
   remarks.push_back(scene.located(
       {pointer, fmt::format("at {}: {:g} is of no effect where there are colliders: steps are "
                             "solved to 'tolerance'",
@@ -131,10 +139,10 @@ std::vector<Problem> remarks_on(const RunParts& parts) {
          fmt::format("at {}: {} takes coefficients and jets from one state, where estimators like "
                      "gauss are exact: these angles, of coefficients a step old, are of no force "
                      "in this run; those of semi_implicit are",
-                     pointer, scene.integrator.name)}));
+                     pointer, scene.integrator().name)}));
   };
-  for (const RecorderUse& probe : scene.probes)
-    if (probe.use.name == "normal_error") remark(probe.use.pointer);
+  for (const PluginUse& probe : scene.plugins[PluginKind::probe])
+    if (probe.name == "normal_error") remark(probe.pointer);
   if (!scene.shadows.empty()) remark("/shadow");
   return remarks;
 }

@@ -105,8 +105,8 @@ void add_remarks(const std::vector<PluginUse>& uses, const Surface& surface, Kin
 
 std::vector<Problem> selection_remarks(const Scene& scene, const Surface& surface) {
   std::vector<Problem> remarks;
-  add_remarks(scene.forces, surface, Kind::load, remarks);
-  add_remarks(scene.constraints, surface, Kind::hold, remarks);
+  add_remarks(scene.plugins[PluginKind::force], surface, Kind::load, remarks);
+  add_remarks(scene.plugins[PluginKind::constraint], surface, Kind::hold, remarks);
   return remarks;
 }
 

@@ -78,9 +78,8 @@ ShadowProbe::ShadowProbe(const std::vector<ShadowUse>& uses, const PluginRegistr
   for (const ShadowUse& use : uses) {
     const std::string origin = origin_of(use, registry);
     try {
-      auto object = as_shadow(origin, [&] {
-        return std::dynamic_pointer_cast<EnergyTerm>(registry.create(use.energy, setup));
-      });
+      auto object =
+          as_shadow(origin, [&] { return registry.create<EnergyTerm>(use.energy, setup); });
       shadows_.push_back({use.name, use.term, {use.energy.name, origin, std::move(object)}});
     } catch (const InputError& e) {
       std::vector<Problem> problems;

@@ -17,6 +17,7 @@
 #include "deform/solve/lagged_matrix.h"
 
 #include "model/mirrored_parts.h"
+#include "plugin/common_parameters.h"
 #include "plugin/guard.h"
 #include "profile/profile.h"
 #include "simulation/compound_terms.h"
@@ -33,13 +34,6 @@
 
 namespace deform {
 namespace {
-
-/// An object of the model that may have a memory, and what its memory is kept under.
-struct Keeper {
-  std::string section;  ///< "energy/bending"
-  std::string origin;
-  std::shared_ptr<Plugin> object;
-};
 
 class MirrorImage final : public CompanionRun {
  public:
@@ -91,7 +85,8 @@ void mirror(ModelParts& parts) {
 /// outside of them afterwards.
 void require_no_colliders(const Scene& scene, const Named<Integrator>& integrator,
                           PartMaker& maker) {
-  if (scene.colliders.empty()) return;
+  const std::size_t colliders = scene.plugins[PluginKind::collider].size();
+  if (colliders == 0) return;
   const bool ignores_bodies = guarded(integrator.origin, "saying what it is", [&] {
     return integrator.object->is_static() && !integrator.object->resolves_contacts();
   });
@@ -100,7 +95,7 @@ void require_no_colliders(const Scene& scene, const Named<Integrator>& integrato
               fmt::format("at /colliders: found {} of them, expected none: integrator \"{}\" looks "
                           "for equilibria without contact; take \"backward_euler\" with damping "
                           "('damping' of the material), until the surface rests",
-                          scene.colliders.size(), integrator.name)}});
+                          colliders, integrator.name)}});
 }
 
 /// Velocities whose energy overflows are no state to begin with.
@@ -143,18 +138,11 @@ struct Simulation::Impl {
   [[nodiscard]] std::string guilty_term(Index node);
   void restore();
 
-  template <class Interface>
-  void keep(PluginKind kind, const std::vector<Named<Interface>>& parts) {
-    for (const auto& part : parts) {
-      keepers.push_back({fmt::format("{}/{}", name_of(kind), part.name), part.origin, part.object});
-    }
-  }
-
   Scene scene;
   std::shared_ptr<const PluginRegistry> registry;
   bool mirrored;
 
-  std::vector<Keeper> keepers;
+  std::vector<MadePart> checkpointed;
   Named<Integrator> integrator;
   // Of this world; outlive the objects that saw them in their Setup.
   NodeVectors rest;
@@ -174,7 +162,7 @@ struct Simulation::Impl {
 
 void Simulation::Impl::make_system() {
   PartMaker maker(scene, registry);
-  auto surface = maker.make<Surface>(scene.surface, maker.setup());
+  auto surface = maker.make<Surface>(scene.surface(), maker.setup());
   maker.throw_problems();  // nothing else can be made without a surface
 
   rest = mirrored ? reflected(surface->object->rest()) : surface->object->rest();
@@ -194,40 +182,35 @@ void Simulation::Impl::make_system() {
   parts.mass = density.cwiseProduct(areas);
   parts.damping =
       (scene.material.damping + scene.material.rayleigh_mass * density.array()) * areas.array();
-  parts.forces = maker.make_all<ForceField>(scene.forces, unmirrored);
-  parts.constraints = maker.make_all<Constraint>(scene.constraints, unmirrored);
+  parts.forces = maker.make_all<ForceField>(unmirrored);
+  parts.constraints = maker.make_all<Constraint>(unmirrored);
   parts.bodies = make_bodies(maker, unmirrored);
   if (mirrored) mirror(parts);
-  auto made_integrator = maker.make<Integrator>(scene.integrator, setup);
+  auto made_integrator = maker.make<Integrator>(scene.integrator(), setup);
   if (made_integrator) require_no_colliders(scene, *made_integrator, maker);
   parts.make_solvers = solver_factory(maker, surface->object);
   maker.throw_problems();
   if (!mirrored) log_selection_remarks(scene, *surface->object);
 
+  checkpointed = maker.made();
   integrator = *made_integrator;
-  keep<Surface>(PluginKind::surface, {*surface});
-  keep(PluginKind::energy, parts.energies);
   take_apart_compounds(parts.energies, parts.retardation);
-  keep(PluginKind::force, parts.forces);
-  keep(PluginKind::constraint, parts.constraints);
-  for (const Body& body : parts.bodies) keep<Collider>(PluginKind::collider, {body.collider});
-  keep<Integrator>(PluginKind::integrator, {integrator});
   const auto make_solvers = parts.make_solvers;
   system = std::make_unique<System>(std::move(parts));
   require_masses();
-  if (scene.solver) check_solver(make_solvers);
+  if (!scene.plugins[PluginKind::solver].empty()) check_solver(make_solvers);
 }
 
 /// Energies and their retardation times. A term without a potential has no stiffness that damping
 /// could be a multiple of.
 void Simulation::Impl::make_energies(PartMaker& maker, const Setup& setup,
                                      ModelParts& parts) const {
-  for (const PluginUse& use : scene.energies) {
+  for (const PluginUse& use : scene.plugins[PluginKind::energy]) {
     auto made = maker.make<EnergyTerm>(use, setup);
     if (!made) continue;
     const bool is_compound = dynamic_cast<const CompoundTerm*>(made->object.get()) != nullptr;
     const bool has_stiffness = is_compound || has_potential(*made);
-    const double own = use.parameters ? use.parameters->get<double>("retardation") : 0;
+    const double own = common_parameters<EnergyTerm>(use).retardation;
     if (own > 0 && !has_stiffness)
       maker.add({{use.pointer + "/retardation",
                   fmt::format("at {}/retardation: found {:g}, expected 0: {} has no potential, so "
@@ -240,9 +223,10 @@ void Simulation::Impl::make_energies(PartMaker& maker, const Setup& setup,
 
 std::vector<Body> Simulation::Impl::make_bodies(PartMaker& maker, const Setup& setup) const {
   std::vector<Body> bodies;
-  for (const ColliderUse& use : scene.colliders) {
-    if (auto made = maker.make<Collider>(use.use, setup))
-      bodies.push_back({std::move(*made), use.friction, use.thickness, use.use.pointer});
+  for (const PluginUse& use : scene.plugins[PluginKind::collider]) {
+    const auto common = common_parameters<Collider>(use);
+    if (auto collider = maker.make<Collider>(use, setup))
+      bodies.push_back({std::move(*collider), common.friction, common.thickness, use.pointer});
   }
   return bodies;
 }
@@ -270,7 +254,9 @@ std::function<std::vector<Named<LinearSolver>>()> Simulation::Impl::solver_facto
   const auto make = [this, surface, uses = std::move(solvers.uses)](PartMaker& by) {
     return by.make_all<LinearSolver>(uses, by.setup(*surface, rest, areas));
   };
-  (void)make(maker);  // problems must show now, not when the System first needs a solver
+  PartMaker trial(scene, registry);  // problems must show now, not when the System needs a solver
+  (void)make(trial);
+  maker.add(trial.problems());
   return [this, make] {
     PartMaker fresh(scene, registry);
     auto made = make(fresh);
@@ -499,8 +485,8 @@ void Simulation::save(Memory& memory) const {
   memory.put("state/v", flattened(impl_->state.v));
   memory.put("state/previous_r", flattened(impl_->before.r));
   save_report(impl_->system->step_report(), memory);
-  for (const Keeper& keeper : impl_->keepers) {
-    save_plugin(*keeper.object, keeper.origin, keeper.section, memory);
+  for (const MadePart& part : impl_->checkpointed) {
+    save_plugin(*part.object, part.origin, part.section, memory);
   }
 }
 
@@ -517,8 +503,8 @@ void Simulation::load(const Memory& memory) {
   s.steps = static_cast<long>(steps);
   loaded.time = static_cast<double>(s.steps) * s.scene.step;
   s.state = std::move(loaded);
-  for (const Keeper& keeper : s.keepers) {
-    load_plugin(*keeper.object, keeper.origin, keeper.section, memory);
+  for (const MadePart& part : s.checkpointed) {
+    load_plugin(*part.object, part.origin, part.section, memory);
   }
   s.system->begin_step();
   load_report(s.system->step_report(), memory);

@@ -106,7 +106,7 @@ void require_solver(const Scene& scene, const PluginRegistry& registry, const Sy
         fmt::format(
             "at /solver: found \"{}\", which does not take {} (integrator \"{}\"), expected "
             "{}",
-            solvers.empty() ? "none" : solvers.front().name, wanted.text, scene.integrator.name,
+            solvers.empty() ? "none" : solvers.front().name, wanted.text, scene.integrator().name,
             others.empty() ? std::string("one that does")
                            : fmt::format("{}", fmt::join(others, " or ")))}});
 }

@@ -4,10 +4,8 @@ namespace deform {
 
 SolverUses solver_uses(const Scene& scene, const PluginRegistry& registry) {
   SolverUses found;
-  if (scene.solver) {
-    found.uses.push_back(*scene.solver);
-    return found;
-  }
+  found.uses = scene.plugins[PluginKind::solver];
+  if (!found.uses.empty()) return found;
   for (const std::string& name : registry.names(PluginKind::solver)) {
     try {
       (void)registry.load(PluginKind::solver, name);

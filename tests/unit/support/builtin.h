@@ -11,9 +11,7 @@
 namespace deform::test {
 
 /// A setup without surface, in which no plugin can make another.
-inline Setup bare_setup() {
-  return Setup([](const PluginUse&, const Setup&) { return std::shared_ptr<Plugin>(); });
-}
+inline Setup bare_setup() { return Setup(nullptr); }
 
 /// The built-in plugin of the interface's kind; parameters that `values` does not have keep their
 /// defaults.

@@ -37,15 +37,13 @@ class DEFORM_API LoadedPlugin {
   [[nodiscard]] const ParameterFields& fields() const { return fields_; }
   /// "normal/gauss (…/normal-gauss.so)".
   [[nodiscard]] std::string origin() const;
-  /// Makes an object that keeps the library loaded as long as it lives. Throws InputError for what
-  /// the constructor rejects, PluginFailure for whatever else it throws or when the object is not
-  /// of the kind.
+  /// Makes an object of the kind's interface, which keeps the library loaded as long as it lives.
+  /// Throws InputError for what the constructor rejects, PluginFailure for whatever else it throws
+  /// or when the object has another interface. Nobody else needs to check that.
   [[nodiscard]] std::shared_ptr<Plugin> create(const ParameterValues& values,
                                                const Setup& setup) const;
 
  private:
-  [[nodiscard]] std::shared_ptr<Plugin> checked(std::shared_ptr<Plugin> object) const;
-
   PluginFile file_;
   std::shared_ptr<void> library_;
   const PluginDescriptor* descriptor_;
@@ -79,6 +77,12 @@ class DEFORM_API PluginRegistry {
   [[nodiscard]] const LoadedPlugin& load(PluginKind kind, const std::string& name) const;
   /// load() and LoadedPlugin::create(); problems get the use's pointer.
   [[nodiscard]] std::shared_ptr<Plugin> create(const PluginUse& use, const Setup& setup) const;
+  /// The same by its kind's interface. Throws InputError for a use of another kind.
+  template <class Interface>
+  [[nodiscard]] std::shared_ptr<Interface> create(const PluginUse& use, const Setup& setup) const {
+    require_kind(use, Interface::kKind);
+    return std::static_pointer_cast<Interface>(create(use, setup));
+  }
 
  private:
   struct Impl;

@@ -42,6 +42,7 @@ struct Material {
 /// a surface: they get a Setup without one.
 class DEFORM_API Setup {
  public:
+  /// Makes an object of the use's kind, as PluginRegistry::create does; never null.
   using Factory = std::function<std::shared_ptr<Plugin>(const PluginUse&, const Setup&)>;
 
   explicit Setup(Factory factory) : factory_(std::move(factory)) {}
@@ -62,9 +63,8 @@ class DEFORM_API Setup {
   /// Makes a plugin that a parameter names, e.g. setup.create<NormalEstimator>(parameters.normal).
   template <class Interface>
   [[nodiscard]] std::shared_ptr<Interface> create(const PluginUse& use) const {
-    auto object = std::dynamic_pointer_cast<Interface>(create_any(use));
-    if (!object) throw InputError({{use.pointer, "plugin '" + use.name + "' is of another kind"}});
-    return object;
+    require_kind(use, Interface::kKind);
+    return std::static_pointer_cast<Interface>(create_any(use));
   }
 
   /// The selected nodes, ascending, each once. Throws InputError when there are none.

@@ -68,6 +68,8 @@ struct PluginUse {
   std::shared_ptr<const ParameterValues> parameters;  ///< null: all defaults
   std::string pointer;                                ///< where the scene says so
 };
+/// Throws InputError, with the use's pointer, when it names a plugin of another kind.
+DEFORM_API void require_kind(const PluginUse& use, PluginKind kind);
 
 using ParameterValue =
     std::variant<bool, std::int64_t, double, std::string, Vec2, Vec3, PairWeights,

@@ -29,25 +29,12 @@ struct Replacement {
   std::string source = "--set";  ///< who says so, for messages
 };
 
-/// An output or probe and how often it is due.
-struct RecorderUse {
-  PluginUse use;
-  long every = 1;  ///< steps
-};
-
 /// A normal estimator that is evaluated beside an energy term's own, on the same states.
 struct ShadowUse {
   std::string name;      ///< the estimator's, unique among the scene's shadows: "gauss_2"
   PluginUse normal;      ///< the estimator
   std::size_t term = 0;  ///< number of the term within the scene's energies
   PluginUse energy;      ///< the term with this estimator in place of its own
-};
-
-/// A collider and what holds for every kind of it.
-struct ColliderUse {
-  PluginUse use;
-  double friction = 0;   ///< Coulomb's coefficient
-  double thickness = 0;  ///< [m]
 };
 
 /// Velocities at first: linear + spin × (r − about).
@@ -69,16 +56,14 @@ struct DEFORM_API Scene {
   std::filesystem::path file;
   std::string variant = "base";
   std::string title;
-  PluginUse surface;
+  /// Those at the keys of the scene, in the order of the text: one surface, one integrator, one
+  /// solver or none (then the matrix' properties choose), any number of other kinds. Plugins in the
+  /// parameters of others are there alone.
+  PerKind<std::vector<PluginUse>> plugins;
   Material material;
-  bool density_is_given = false;  ///< else a sheet that an energy's material names may have one
-  std::vector<PluginUse> energies, forces, constraints;
-  std::vector<ColliderUse> colliders;
-  PluginUse integrator;
-  double step = 0;                  ///< [s]
-  double duration = 0;              ///< [s]
-  std::optional<PluginUse> solver;  ///< none: chosen by the matrix' properties
-  std::vector<RecorderUse> outputs, probes;
+  bool density_is_given = false;      ///< else a sheet that an energy's material names may have one
+  double step = 0;                    ///< [s]
+  double duration = 0;                ///< [s]
   std::vector<ShadowUse> shadows;     ///< of each estimator, one a term that takes one
   InitialVelocity velocity;           ///< of every free component
   double max_distance = 10;           ///< diverged beyond it, in sizes of the surface
@@ -101,6 +86,10 @@ struct DEFORM_API Scene {
   /// are not there. Each with its place, as problems have it.
   std::vector<Problem> elsewhere;
 
+  [[nodiscard]] const PluginUse& surface() const { return plugins[PluginKind::surface].front(); }
+  [[nodiscard]] const PluginUse& integrator() const {
+    return plugins[PluginKind::integrator].front();
+  }
   [[nodiscard]] long steps() const;           ///< duration / step, rounded
   [[nodiscard]] long frame_interval() const;  ///< steps between frames: about a hundred, if unsaid
   /// A problem that shows only when the scene's parts are made, with its place in front of the

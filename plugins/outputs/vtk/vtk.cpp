@@ -8,7 +8,7 @@
 #include <deform/record/jet_terms.h>
 #include <deform/record/output.h>
 
-#include "output_file.h"
+#include "../../output_file.h"
 #include "vtk_poly_data.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <numeric>
 
-#include "output_file.h"
+#include "../../output_file.h"
 
 namespace deform::outputs {
 namespace {

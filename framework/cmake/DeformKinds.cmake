@@ -1,0 +1,15 @@
+# deform_read_kinds(HEADER): the kinds of plugin, and what several of a kind are called (energy, energies), from the
+# table in the header; they become the global properties DEFORM_PLUGIN_KINDS and DEFORM_PLUGIN_PLURALS.
+function(deform_read_kinds header)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${header})
+  file(READ ${header} text)
+  set(row "\n  KIND\\(([a-z]+), ([a-z]+), [A-Za-z]+\\)")
+  string(REGEX MATCHALL "${row}" rows "${text}")
+  if(NOT rows)
+    message(FATAL_ERROR "${header} has no rows KIND(name, plural, Interface)")
+  endif()
+  list(TRANSFORM rows REPLACE "${row}" "\\1" OUTPUT_VARIABLE kinds)
+  list(TRANSFORM rows REPLACE "${row}" "\\2" OUTPUT_VARIABLE plurals)
+  set_property(GLOBAL PROPERTY DEFORM_PLUGIN_KINDS ${kinds})
+  set_property(GLOBAL PROPERTY DEFORM_PLUGIN_PLURALS ${plurals})
+endfunction()
