@@ -7,10 +7,10 @@
 
 #include "deform/error.h"
 
+#include "no_solver.h"
+#include "not_finite.h"
 #include "plugin/boundary.h"
 #include "plugin/plugin_call.h"
-#include "solve/no_solver.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 

@@ -16,6 +16,7 @@
 #include "deform/log.h"
 
 #include "model/mirrored_parts.h"
+#include "not_finite.h"
 #include "plugin/guard.h"
 #include "profile/profile.h"
 #include "simulation/compound_terms.h"
@@ -28,7 +29,6 @@
 #include "simulation/solver_check.h"
 #include "simulation/solver_uses.h"
 #include "solve/asked.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

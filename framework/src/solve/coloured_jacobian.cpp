@@ -5,8 +5,8 @@
 
 #include "deform/geometry/characteristic_length.h"
 
-#include "solve/no_solver.h"
-#include "solve/not_finite.h"
+#include "no_solver.h"
+#include "not_finite.h"
 #include "solve/pattern.h"
 
 namespace deform {

@@ -11,8 +11,8 @@
 
 #include "deform/parallel.h"
 
+#include "not_finite.h"
 #include "plugin/guard.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

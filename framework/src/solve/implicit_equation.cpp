@@ -6,9 +6,9 @@
 #include "deform/geometry/characteristic_length.h"
 #include "deform/parallel.h"
 
+#include "not_finite.h"
 #include "profile/profile.h"
 #include "solve/asked.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

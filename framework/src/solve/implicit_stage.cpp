@@ -9,9 +9,9 @@
 #include "deform/error.h"
 #include "deform/geometry/rounding.h"
 
+#include "not_finite.h"
 #include "profile/profile.h"
 #include "solve/implicit_equation.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

@@ -4,8 +4,8 @@
 
 #include "deform/log.h"
 
+#include "no_solver.h"
 #include "plugin/guard.h"
-#include "solve/no_solver.h"
 
 namespace deform {
 namespace {

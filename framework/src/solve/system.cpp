@@ -5,8 +5,8 @@
 
 #include "deform/parallel.h"
 
+#include "not_finite.h"
 #include "plugin/guard.h"
-#include "solve/not_finite.h"
 #include "solve/pattern.h"
 #include "solve/stopwatch.h"
 #include "solve/symmetry.h"

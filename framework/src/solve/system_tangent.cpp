@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "not_finite.h"
 #include "solve/lowest_eigenvalue.h"
-#include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 #include "solve/system_impl.h"
 

@@ -1,4 +1,4 @@
-#include "plugin/library.h"
+#include "host/library.h"
 
 #include <algorithm>
 #include <cstring>
@@ -23,9 +23,9 @@
 #include "deform/surface/shape.h"
 #include "deform/surface/surface.h"
 
+#include "host/elf_check.h"
+#include "host/guarded_parts.h"
 #include "plugin/boundary.h"
-#include "plugin/elf_check.h"
-#include "plugin/guarded_parts.h"
 #include "plugin/plugin_call.h"
 #include "surface/surface_check.h"
 
