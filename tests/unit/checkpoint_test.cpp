@@ -13,9 +13,9 @@
 
 #include "deform/error.h"
 
-#include "simulation/files.h"
+#include "files/files.h"
+#include "files/sha256.h"
 #include "simulation/scene_files.h"
-#include "simulation/sha256.h"
 
 namespace deform {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/json_document.h"
+#include "json/json_document.h"
 
 #include <filesystem>
 #include <fstream>

@@ -1,4 +1,4 @@
-#include "scene/nearest_name.h"
+#include "text/nearest_name.h"
 
 #include <string>
 #include <vector>

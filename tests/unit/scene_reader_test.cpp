@@ -8,6 +8,8 @@
 #include "deform/error.h"
 #include "deform/simulation/scene.h"
 
+#include "json/json.h"
+#include "json/json_pointer.h"
 #include "plugin/common_parameters.h"
 #include "scene/json.h"
 #include "scene/json_pointer.h"

@@ -1,4 +1,4 @@
-#include "plugin/trusted_path.h"
+#include "host/trusted_path.h"
 
 #include <cstdint>
 #include <filesystem>

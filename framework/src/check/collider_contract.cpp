@@ -8,7 +8,7 @@
 #include "deform/model/collider.h"
 
 #include "check/contracts.h"
-#include "solve/not_finite.h"
+#include "not_finite.h"
 
 namespace deform {
 namespace {

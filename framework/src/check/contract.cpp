@@ -5,8 +5,8 @@
 #include "deform/error.h"
 
 #include "check/contracts.h"
+#include "json/json.h"
 #include "plugin/plugin_call.h"
-#include "scene/json.h"
 
 namespace deform {
 namespace {

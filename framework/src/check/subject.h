@@ -10,7 +10,7 @@
 #include "deform/simulation/simulation.h"
 
 #include "check/checks.h"
-#include "scene/json.h"
+#include "json/json.h"
 #include "simulation/part_maker.h"
 
 namespace deform {

@@ -10,7 +10,7 @@
 #include "deform/version.h"
 
 #include "compare/verdict.h"
-#include "scene/json.h"
+#include "json/json.h"
 #include "simulation/manifest.h"
 #include "simulation/probe_table.h"
 #include "simulation/scene_files.h"

@@ -11,10 +11,10 @@
 #include "deform/error.h"
 #include "deform/plugin/expression.h"
 
-#include "scene/json_document.h"
-#include "scene/json_pointer.h"
-#include "scene/nearest_name.h"
+#include "json/json_document.h"
+#include "json/json_pointer.h"
 #include "scene/scene_problems.h"
+#include "text/nearest_name.h"
 
 namespace deform {
 namespace {

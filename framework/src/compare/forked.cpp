@@ -23,8 +23,8 @@
 
 #include "deform/error.h"
 
+#include "json/json.h"
 #include "plugin/process_end.h"
-#include "scene/json.h"
 
 namespace deform {
 namespace {

@@ -11,15 +11,15 @@
 
 #include "compare/forked.h"
 #include "compare/run_names.h"
+#include "files/files.h"
+#include "json/json.h"
+#include "json/json_pointer.h"
 #include "plugin/common_parameters.h"
 #include "plugin/guard.h"
-#include "scene/json.h"
-#include "scene/json_pointer.h"
-#include "scene/nearest_name.h"
 #include "scene/scene_problems.h"
-#include "simulation/files.h"
 #include "simulation/part_maker.h"
 #include "simulation/run_parts.h"
+#include "text/nearest_name.h"
 
 namespace deform {
 namespace {

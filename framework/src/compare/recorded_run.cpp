@@ -12,8 +12,8 @@
 
 #include "deform/error.h"
 
-#include "simulation/files.h"
-#include "simulation/json_file.h"
+#include "files/files.h"
+#include "json/json_file.h"
 
 namespace deform {
 namespace {

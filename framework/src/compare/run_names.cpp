@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "scene/json.h"
-#include "scene/json_pointer.h"
+#include "json/json.h"
+#include "json/json_pointer.h"
 
 namespace deform {
 namespace {

@@ -16,10 +16,10 @@
 #include "deform/record/trajectory.h"
 
 #include "compare/child_process.h"
-#include "scene/json.h"
-#include "simulation/files.h"
+#include "files/files.h"
+#include "json/json.h"
+#include "json/json_file.h"
 #include "simulation/folder_lock.h"
-#include "simulation/json_file.h"
 #include "simulation/manifest.h"
 #include "simulation/resumption.h"
 #include "simulation/run_directory.h"

@@ -6,7 +6,7 @@
 
 #include "deform/compare/comparison.h"
 
-#include "scene/json.h"
+#include "json/json.h"
 
 namespace deform {
 

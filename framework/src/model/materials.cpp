@@ -4,7 +4,7 @@
 
 #include "deform/error.h"
 
-#include "scene/nearest_name.h"
+#include "text/nearest_name.h"
 
 namespace deform {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "scene/nearest_name.h"
-#include "scene/value_json.h"
+#include "json/shown.h"
+#include "text/nearest_name.h"
 
 namespace deform {
 namespace {

@@ -10,7 +10,6 @@
 #include "deform/error.h"
 #include "deform/plugin/expression.h"
 #include "deform/plugin/number_file.h"
-#include "deform/surface/surface.h"
 
 #include "plugin/parameter_text.h"
 
@@ -97,18 +96,6 @@ struct Field::Rule {
   }
 };
 
-ParameterRectangle parameter_rectangle(const Surface& surface) {
-  ParameterRectangle rectangle;
-  const Eigen::MatrixX2d& a = surface.parameters();
-  if (a.rows() == 0) return rectangle;
-  rectangle.lower = a.colwise().minCoeff();
-  rectangle.upper = a.colwise().maxCoeff();
-  const Vec2 period = surface.period();
-  for (const int k : {0, 1})
-    if (period[k] > 0) rectangle.upper[k] = rectangle.lower[k] + period[k];
-  return rectangle;
-}
-
 Field::Field(double value) : constant_(value) {}
 
 Field Field::formula(const std::string& text, FieldRules rules) {
@@ -140,18 +127,6 @@ NodeValues Field::values(const Eigen::MatrixX2d& parameters,
   return values;
 }
 
-NodeValues Field::at_nodes(const Surface& surface) const {
-  return values(surface.parameters(), parameter_rectangle(surface));
-}
-
-NodeValues Field::at_samples(const Surface& surface, const SampleSet& samples) const {
-  const ParameterRectangle within = parameter_rectangle(surface);
-  NodeValues values(samples.size());
-  for (Index s = 0; s < values.size(); ++s)
-    values[s] = (*this)(samples.parameters()[static_cast<std::size_t>(s)], within);
-  return values;
-}
-
 bool PairWeightsField::is_constant() const {
   return std::ranges::all_of(fields_, &Field::is_constant);
 }
@@ -162,16 +137,6 @@ PairWeights PairWeightsField::operator()(const Vec2& parameter,
   for (const Pair ij : kPairs)
     weights.w[static_cast<std::size_t>(slot(ij))] = (*this)(ij)(parameter, within);
   return weights;
-}
-
-WeightsAtSamples PairWeightsField::at_samples(const Surface& surface,
-                                              const SampleSet& samples) const {
-  const ParameterRectangle within = parameter_rectangle(surface);
-  if (is_constant()) return WeightsAtSamples({(*this)(within.lower, within)});
-  std::vector<PairWeights> weights;
-  weights.reserve(static_cast<std::size_t>(samples.size()));
-  for (const Vec2& parameter : samples.parameters()) weights.push_back((*this)(parameter, within));
-  return WeightsAtSamples(std::move(weights));
 }
 
 }  // namespace deform

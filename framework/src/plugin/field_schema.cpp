@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "scene/value_json.h"
+#include "plugin/value_json.h"
 
 namespace deform {
 namespace {

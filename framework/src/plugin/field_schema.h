@@ -5,7 +5,7 @@
 
 #include "deform/plugin/registry.h"
 
-#include "scene/json.h"
+#include "json/json.h"
 
 namespace deform {
 

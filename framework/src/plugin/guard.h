@@ -7,6 +7,8 @@
 
 #include "deform/error.h"
 
+#include "no_solver.h"
+#include "not_finite.h"
 #include "plugin/boundary.h"
 #include "plugin/plugin_call.h"
 #include "solve/matrix/no_solver.h"

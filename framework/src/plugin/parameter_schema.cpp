@@ -1,7 +1,7 @@
 #include "deform/plugin/registry.h"
 
+#include "json/json_schema.h"
 #include "plugin/field_schema.h"
-#include "scene/json_schema.h"
 
 namespace deform {
 namespace {

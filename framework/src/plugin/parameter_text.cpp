@@ -4,7 +4,8 @@
 
 #include "deform/plugin/registry.h"
 
-#include "scene/value_json.h"
+#include "json/shown.h"
+#include "plugin/value_json.h"
 
 namespace deform {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/json.h"
+#include "json/json.h"
 
 namespace deform {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "solve/not_finite.h"
+#include "not_finite.h"
 
 namespace deform {
 namespace {

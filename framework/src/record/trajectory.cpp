@@ -12,8 +12,8 @@
 
 #include "deform/error.h"
 
+#include "json/json_file.h"
 #include "record/trajectory_format.h"
-#include "simulation/json_file.h"
 
 namespace deform {
 

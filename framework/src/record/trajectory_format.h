@@ -8,7 +8,7 @@
 
 #include "deform/record/trajectory.h"
 
-#include "scene/json.h"
+#include "json/json.h"
 
 namespace deform::trajectory_format {
 

@@ -6,8 +6,8 @@
 
 #include "deform/record/frame.h"
 
+#include "files/files.h"
 #include "record/node_fields.h"
-#include "simulation/files.h"
 
 namespace deform {
 

@@ -16,7 +16,7 @@
 
 #include "deform/error.h"
 
-#include "simulation/files.h"
+#include "files/files.h"
 
 namespace deform {
 namespace {

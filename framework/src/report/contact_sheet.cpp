@@ -9,9 +9,9 @@
 #include "deform/error.h"
 #include "deform/report/report.h"
 
+#include "files/files.h"
 #include "report/base64.h"
 #include "report/chromium.h"
-#include "simulation/files.h"
 
 namespace deform {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "json/json.h"
 #include "report/report_page.h"
-#include "scene/json.h"
 
 namespace deform {
 

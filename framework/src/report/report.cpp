@@ -9,10 +9,10 @@
 #include "deform/error.h"
 #include "deform/log.h"
 
+#include "files/files.h"
 #include "report/report_page.h"
 #include "report/report_source.h"
 #include "report/report_writer.h"
-#include "simulation/files.h"
 #include "simulation/folder_lock.h"
 #include "simulation/old_run.h"
 #include "simulation/run_directory.h"

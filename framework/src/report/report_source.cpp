@@ -7,7 +7,7 @@
 
 #include "deform/error.h"
 
-#include "simulation/json_file.h"
+#include "json/json_file.h"
 #include "simulation/manifest.h"
 #include "simulation/run_directory.h"
 

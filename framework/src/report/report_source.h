@@ -9,7 +9,7 @@
 #include "deform/record/trajectory.h"
 
 #include "compare/recorded_run.h"
-#include "scene/json.h"
+#include "json/json.h"
 
 namespace deform {
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "json/json_pointer.h"
+#include "json/shown.h"
 #include "plugin/parameter_text.h"
-#include "scene/json_pointer.h"
-#include "scene/nearest_name.h"
-#include "scene/value_json.h"
+#include "text/nearest_name.h"
 
 namespace deform {
 namespace {

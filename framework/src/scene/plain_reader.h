@@ -8,7 +8,7 @@
 
 #include "deform/plugin/declaration.h"
 
-#include "scene/json.h"
+#include "json/json.h"
 #include "scene/scene_problems.h"
 
 namespace deform {

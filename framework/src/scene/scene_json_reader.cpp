@@ -10,10 +10,12 @@
 
 #include "deform/model/materials.h"
 
+#include "json/json_pointer.h"
+#include "json/shown.h"
 #include "plugin/common_parameters.h"
+#include "plugin/value_json.h"
 #include "scene/json_pointer.h"
 #include "scene/scene_rules.h"
-#include "scene/value_json.h"
 #include "scene/value_reader.h"
 #include "scene/velocity_reader.h"
 

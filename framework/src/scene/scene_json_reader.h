@@ -4,7 +4,7 @@
 
 #include "deform/simulation/scene.h"
 
-#include "scene/json.h"
+#include "json/json.h"
 #include "scene/scene_problems.h"
 
 namespace deform {

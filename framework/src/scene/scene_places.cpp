@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scene/json_pointer.h"
+#include "json/json_pointer.h"
 
 namespace deform {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/json_document.h"
+#include "json/json_document.h"
 
 namespace deform {
 

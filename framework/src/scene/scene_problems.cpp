@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "scene/json_pointer.h"
+#include "json/json_pointer.h"
 
 namespace deform {
 

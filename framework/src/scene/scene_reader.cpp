@@ -8,13 +8,13 @@
 
 #include "deform/simulation/scene.h"
 
-#include "scene/json_document.h"
-#include "scene/json_pointer.h"
-#include "scene/nearest_name.h"
+#include "json/json_document.h"
+#include "json/json_pointer.h"
+#include "json/shown.h"
 #include "scene/scene_json_reader.h"
 #include "scene/scene_rules.h"
-#include "scene/value_json.h"
 #include "simulation/run_parts.h"
+#include "text/nearest_name.h"
 
 namespace deform {
 namespace {

@@ -4,8 +4,8 @@
 #include "deform/log.h"
 #include "deform/simulation/scene.h"
 
+#include "json/json_schema.h"
 #include "plugin/field_schema.h"
-#include "scene/json_schema.h"
 #include "scene/scene_rules.h"
 #include "scene/velocity_reader.h"
 

@@ -4,13 +4,14 @@
 
 #include "deform/error.h"
 
+#include "json/json_pointer.h"
+#include "json/shown.h"
 #include "plugin/field_schema.h"
 #include "plugin/parameter_text.h"
+#include "plugin/value_json.h"
 #include "scene/field_reader.h"
-#include "scene/json_pointer.h"
 #include "scene/profile_reader.h"
 #include "scene/selection_reader.h"
-#include "scene/value_json.h"
 
 namespace deform {
 namespace {

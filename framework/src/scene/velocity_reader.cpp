@@ -4,10 +4,10 @@
 
 #include "deform/error.h"
 
+#include "json/json_pointer.h"
 #include "plugin/field_schema.h"
 #include "plugin/parameter_text.h"
-#include "scene/json_pointer.h"
-#include "scene/value_json.h"
+#include "plugin/value_json.h"
 
 namespace deform {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "deform/error.h"
 
-#include "simulation/sha256.h"
+#include "files/sha256.h"
 
 namespace deform {
 namespace {

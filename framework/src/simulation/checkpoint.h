@@ -11,7 +11,7 @@
 #include "deform/plugin/plugin.h"
 #include "deform/simulation/scene.h"
 
-#include "simulation/files.h"
+#include "files/files.h"
 
 namespace deform {
 

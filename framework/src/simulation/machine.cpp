@@ -17,7 +17,7 @@
 #include <spdlog/version.h>
 #include <tbb/version.h>
 
-#include "simulation/sha256.h"
+#include "files/sha256.h"
 
 namespace deform {
 namespace {

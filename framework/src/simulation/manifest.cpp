@@ -16,10 +16,10 @@
 
 #include "deform/version.h"
 
+#include "files/sha256.h"
 #include "simulation/machine.h"
 #include "simulation/plugins_used.h"
 #include "simulation/run_directory.h"
-#include "simulation/sha256.h"
 
 namespace deform {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "deform/simulation/run.h"
 
-#include "scene/json.h"
-#include "simulation/files.h"
+#include "files/files.h"
+#include "json/json.h"
 #include "simulation/scene_files.h"
 
 namespace deform {

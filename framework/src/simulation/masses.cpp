@@ -5,8 +5,8 @@
 #include "deform/error.h"
 #include "deform/log.h"
 
+#include "not_finite.h"
 #include "plugin/guard.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

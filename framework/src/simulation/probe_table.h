@@ -11,7 +11,7 @@
 
 #include "deform/record/probe.h"
 
-#include "simulation/files.h"
+#include "files/files.h"
 
 namespace deform {
 

@@ -7,9 +7,9 @@
 
 #include "deform/error.h"
 
-#include "simulation/files.h"
+#include "files/files.h"
+#include "json/json_file.h"
 #include "simulation/folder_lock.h"
-#include "simulation/json_file.h"
 #include "simulation/old_run.h"
 #include "simulation/run_directory.h"
 #include "simulation/scene_files.h"

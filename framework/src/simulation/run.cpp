@@ -20,13 +20,15 @@
 
 #include "deform/log.h"
 
+#include "files/files.h"
+#include "files/sha256.h"
+#include "json/json.h"
+#include "not_finite.h"
 #include "plugin/process_end.h"
 #include "profile/profile.h"
 #include "record/trajectory_writer.h"
-#include "scene/json.h"
 #include "simulation/balance_guards.h"
 #include "simulation/checkpoint.h"
-#include "simulation/files.h"
 #include "simulation/held_folder.h"
 #include "simulation/manifest.h"
 #include "simulation/memory_sections.h"
@@ -35,9 +37,7 @@
 #include "simulation/run_log.h"
 #include "simulation/run_parts.h"
 #include "simulation/scene_files.h"
-#include "simulation/sha256.h"
 #include "simulation/step_watch.h"
-#include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 
 namespace deform {

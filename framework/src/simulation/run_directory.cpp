@@ -8,9 +8,9 @@
 
 #include "deform/error.h"
 
-#include "scene/json.h"
+#include "json/json.h"
+#include "json/json_file.h"
 #include "simulation/folder_lock.h"
-#include "simulation/json_file.h"
 #include "simulation/old_run.h"
 
 namespace deform {

@@ -11,7 +11,7 @@
 #include "deform/error.h"
 #include "deform/log.h"
 
-#include "simulation/files.h"
+#include "files/files.h"
 
 namespace deform {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "deform/error.h"
 
-#include "simulation/json_file.h"
-#include "simulation/sha256.h"
+#include "files/sha256.h"
+#include "json/json_file.h"
 
 namespace deform {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "deform/simulation/scene.h"
 
-#include "scene/json.h"
+#include "json/json.h"
 
 namespace deform {
 

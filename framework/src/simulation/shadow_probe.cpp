@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "not_finite.h"
 #include "simulation/memory_sections.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

@@ -17,6 +17,7 @@
 #include "deform/solve/lagged_matrix.h"
 
 #include "model/mirrored_parts.h"
+#include "not_finite.h"
 #include "plugin/common_parameters.h"
 #include "plugin/guard.h"
 #include "profile/profile.h"
@@ -30,7 +31,6 @@
 #include "simulation/solver_check.h"
 #include "simulation/solver_uses.h"
 #include "solve/asked.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "not_finite.h"
 #include "plugin/guard.h"
 #include "solve/system_parts.h"
 

@@ -9,8 +9,8 @@
 
 #include "deform/error.h"
 
-#include "scene/nearest_name.h"
 #include "surface/patches.h"
+#include "text/nearest_name.h"
 
 namespace deform {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "deform/error.h"
 
+#include "not_finite.h"
 #include "plugin/guard.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

@@ -5,6 +5,8 @@
 
 #include "deform/geometry/characteristic_length.h"
 
+#include "no_solver.h"
+#include "not_finite.h"
 #include "solve/assembly/pattern.h"
 #include "solve/matrix/no_solver.h"
 #include "solve/not_finite.h"

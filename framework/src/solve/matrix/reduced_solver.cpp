@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "solve/not_finite.h"
+#include "not_finite.h"
 #include "solve/stopwatch.h"
 
 namespace deform {

@@ -4,6 +4,7 @@
 
 #include "deform/log.h"
 
+#include "no_solver.h"
 #include "plugin/guard.h"
 #include "solve/matrix/no_solver.h"
 

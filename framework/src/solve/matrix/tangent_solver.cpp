@@ -6,9 +6,9 @@
 #include "deform/log.h"
 #include "deform/parallel.h"
 
+#include "not_finite.h"
 #include "plugin/guard.h"
 #include "profile/profile.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

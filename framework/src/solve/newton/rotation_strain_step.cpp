@@ -11,7 +11,7 @@
 
 #include "deform/error.h"
 
-#include "solve/not_finite.h"
+#include "not_finite.h"
 
 namespace deform {
 namespace {

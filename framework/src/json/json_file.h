@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string_view>
 
-#include "scene/json.h"
+#include "json/json.h"
 
 namespace deform {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "scene/json.h"
+#include "json/json.h"
 
 namespace deform {
 

@@ -1,4 +1,4 @@
-#include "solve/not_finite.h"
+#include "not_finite.h"
 
 #include <utility>
 

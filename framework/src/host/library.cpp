@@ -1,4 +1,4 @@
-#include "plugin/library.h"
+#include "host/library.h"
 
 #include <algorithm>
 #include <cstring>
@@ -12,8 +12,9 @@
 
 #include "deform/error.h"
 
+#include "host/elf_check.h"
+#include "host/guarded_parts.h"
 #include "plugin/boundary.h"
-#include "plugin/elf_check.h"
 #include "plugin/interface_check.h"
 #include "plugin/plugin_call.h"
 

@@ -1,4 +1,4 @@
-#include "scene/json_document.h"
+#include "json/json_document.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "scene/json_pointer.h"
+#include "json/json_pointer.h"
 
 namespace deform {
 namespace {

@@ -1,4 +1,4 @@
-#include "plugin/guarded_parts.h"
+#include "host/guarded_parts.h"
 
 #include <optional>
 #include <utility>

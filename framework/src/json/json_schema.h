@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "scene/json.h"
+#include "json/json.h"
 
 namespace deform {
 

@@ -11,10 +11,10 @@
 
 #include "deform/error.h"
 
-#include "plugin/library.h"
-#include "plugin/trusted_path.h"
-#include "scene/nearest_name.h"
-#include "scene/value_json.h"
+#include "host/library.h"
+#include "host/trusted_path.h"
+#include "json/shown.h"
+#include "text/nearest_name.h"
 
 namespace deform {
 namespace {

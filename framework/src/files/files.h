@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "simulation/sha256.h"
+#include "files/sha256.h"
 
 namespace deform {
 

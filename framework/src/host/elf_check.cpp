@@ -1,4 +1,4 @@
-#include "plugin/elf_check.h"
+#include "host/elf_check.h"
 
 #include <cstring>
 #include <elf.h>

@@ -1,4 +1,4 @@
-#include "simulation/files.h"
+#include "files/files.h"
 
 #include <cerrno>
 #include <fcntl.h>

@@ -1,9 +1,9 @@
-#include "simulation/json_file.h"
+#include "json/json_file.h"
 
 #include <cstddef>
 
-#include "scene/json_document.h"
-#include "simulation/files.h"
+#include "files/files.h"
+#include "json/json_document.h"
 
 namespace deform {
 namespace {

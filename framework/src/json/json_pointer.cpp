@@ -1,9 +1,9 @@
-#include "scene/json_pointer.h"
+#include "json/json_pointer.h"
 
 #include <charconv>
 
-#include "scene/nearest_name.h"
-#include "scene/value_json.h"
+#include "json/shown.h"
+#include "text/nearest_name.h"
 
 namespace deform {
 namespace {
