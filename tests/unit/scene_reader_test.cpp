@@ -11,8 +11,6 @@
 #include "json/json.h"
 #include "json/json_pointer.h"
 #include "plugin/common_parameters.h"
-#include "scene/json.h"
-#include "scene/json_pointer.h"
 
 namespace deform {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "deform/error.h"
 
-#include "scene/json_pointer.h"
+#include "json/json_pointer.h"
 #include "scene/scene_rules.h"
 
 namespace deform {

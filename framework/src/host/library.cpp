@@ -14,8 +14,8 @@
 
 #include "host/elf_check.h"
 #include "host/guarded_parts.h"
+#include "host/interface_check.h"
 #include "plugin/boundary.h"
-#include "plugin/interface_check.h"
 #include "plugin/plugin_call.h"
 
 namespace deform {

@@ -11,8 +11,6 @@
 #include "not_finite.h"
 #include "plugin/boundary.h"
 #include "plugin/plugin_call.h"
-#include "solve/matrix/no_solver.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 

@@ -14,7 +14,6 @@
 #include "json/shown.h"
 #include "plugin/common_parameters.h"
 #include "plugin/value_json.h"
-#include "scene/json_pointer.h"
 #include "scene/scene_rules.h"
 #include "scene/value_reader.h"
 #include "scene/velocity_reader.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <string>
 
+#include "not_finite.h"
 #include "plugin/guard.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

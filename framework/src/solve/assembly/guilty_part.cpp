@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "solve/not_finite.h"
+#include "not_finite.h"
 
 namespace deform {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "not_finite.h"
 #include "solve/assembly/averaged_strains.h"
 #include "solve/assembly/step_strains_impl.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

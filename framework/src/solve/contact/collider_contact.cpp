@@ -11,10 +11,10 @@
 
 #include "deform/parallel.h"
 
+#include "not_finite.h"
 #include "plugin/guard.h"
 #include "solve/contact/contact_law.h"
 #include "solve/contact/contact_paths.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

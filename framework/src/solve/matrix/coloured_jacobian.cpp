@@ -8,8 +8,6 @@
 #include "no_solver.h"
 #include "not_finite.h"
 #include "solve/assembly/pattern.h"
-#include "solve/matrix/no_solver.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

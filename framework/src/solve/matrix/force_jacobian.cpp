@@ -5,9 +5,9 @@
 
 #include "deform/solve/system.h"
 
+#include "not_finite.h"
 #include "solve/assembly/all_forces.h"
 #include "solve/matrix/coloured_jacobian.h"
-#include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 #include "solve/system_parts.h"
 

@@ -6,11 +6,11 @@
 
 #include "deform/solve/system.h"
 
+#include "not_finite.h"
 #include "solve/assembly/all_forces.h"
 #include "solve/assembly/guilty_part.h"
 #include "solve/assembly/symmetry.h"
 #include "solve/matrix/reduced_solver.h"
-#include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 #include "solve/system_parts.h"
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "not_finite.h"
 #include "solve/matrix/tangent_solver.h"
-#include "solve/not_finite.h"
 #include "solve/system_parts.h"
 
 namespace deform {

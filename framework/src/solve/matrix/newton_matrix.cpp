@@ -7,6 +7,7 @@
 
 #include "deform/solve/system.h"
 
+#include "not_finite.h"
 #include "profile/profile.h"
 #include "solve/assembly/guilty_part.h"
 #include "solve/assembly/step_strains_impl.h"
@@ -14,7 +15,6 @@
 #include "solve/matrix/lowest_eigenvalue.h"
 #include "solve/matrix/rigid_modes.h"
 #include "solve/matrix/tangent_solver.h"
-#include "solve/not_finite.h"
 #include "solve/stopwatch.h"
 #include "solve/system_parts.h"
 

@@ -6,7 +6,6 @@
 
 #include "no_solver.h"
 #include "plugin/guard.h"
-#include "solve/matrix/no_solver.h"
 
 namespace deform {
 namespace {

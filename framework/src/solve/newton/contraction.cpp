@@ -7,10 +7,10 @@
 
 #include "deform/error.h"
 
+#include "not_finite.h"
 #include "profile/profile.h"
 #include "solve/newton/constants.h"
 #include "solve/newton/convergence.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {
@@ -25,8 +25,8 @@ constexpr int kProjected = 2;
 constexpr double kSmall = 0.25;
 /// A tangent serves twice where in the last stage the second correction was this part of the first,
 /// at most, and if that is so again, or almost; and where no larger part of the forces at work is
-/// left of the residual at the guess. A kept tangent takes less of these away: more than that, and they grow
-/// from step to step until a contraction fails.
+/// left of the residual at the guess. A kept tangent takes less of these away: more than that, and
+/// they grow from step to step until a contraction fails.
 constexpr double kGoodContraction = 0.15, kAlmostGood = 0.2, kCalmGuess = 0.3;
 /// Part of a direction's error that an iterative solver may leave of the second correction or a
 /// later one, which are smaller.

@@ -10,9 +10,9 @@
 #include "deform/solve/force_jacobian.h"
 #include "deform/solve/newton.h"
 
+#include "not_finite.h"
 #include "solve/newton/constants.h"
 #include "solve/newton/descent_direction.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

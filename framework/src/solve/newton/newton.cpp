@@ -10,10 +10,10 @@
 #include "deform/geometry/rounding.h"
 #include "deform/plugin/values.h"
 
+#include "not_finite.h"
 #include "profile/profile.h"
 #include "solve/newton/constants.h"
 #include "solve/newton/convergence.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {
@@ -206,8 +206,8 @@ double Newton::Impl::go_farther(double s, double there, double longest_step, Sta
 
 /// One step as it comes, but for the angle that it may rotate by: the merit need not fall at once,
 /// as steps into what a thin sheet resists most are taken back by the next. After a straight step
-/// the next tangent is that of the stress which this one predicted. Returns whether the merit is the
-/// lowest now; if not, it may be back where it was.
+/// the next tangent is that of the stress which this one predicted. Returns whether the merit is
+/// the lowest now; if not, it may be back where it was.
 bool Newton::Impl::take_watched_step(State& state, double longest_step) {
   const Span span("step along the direction");
   before = state.r;

@@ -8,9 +8,9 @@
 #include "deform/plugin/values.h"
 #include "deform/solve/system.h"
 
+#include "not_finite.h"
 #include "profile/profile.h"
 #include "solve/newton/descent_direction.h"
-#include "solve/not_finite.h"
 
 namespace deform {
 namespace {

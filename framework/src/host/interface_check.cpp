@@ -1,6 +1,6 @@
 /// Plugins come in here as anything, and leave as what their kind promises. So this file, alone in
 /// this folder, sees all interfaces.
-#include "plugin/interface_check.h"
+#include "host/interface_check.h"
 
 #include <utility>
 
@@ -17,7 +17,7 @@
 #include "deform/surface/shape.h"
 #include "deform/surface/surface.h"
 
-#include "plugin/guarded_parts.h"
+#include "host/guarded_parts.h"
 #include "surface/surface_check.h"
 
 namespace deform {
