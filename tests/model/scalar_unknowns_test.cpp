@@ -12,13 +12,16 @@ using namespace deform;
 
 constexpr double kStiffness = 300, kHidden = 200;
 
-/// A net that hangs, pinned at two corners.
+/// A net that falls, pinned at two corners; in statics it hangs in its plane.
 std::string net(const std::string& energy, const std::string& integrator) {
+  const bool is_static = integrator.find("static") != std::string::npos;
   return R"({"surface": {"plugin": "grid", "nodes": [5, 4], "size": [1.0, 0.75]},
     "material": {"density": 0.5, "damping": 0.2}, "energies": [)" +
-         energy + R"(], "forces": [{"plugin": "gravity"}],
-    "constraints": [{"plugin": "pin", "where": {"corners": ["left_top", "right_top"]}}],
-    "integrator": {"plugin": )" +
+         energy + R"(], "forces": [{"plugin": "gravity")" +
+         (is_static ? R"(, "acceleration": [0, -9.81, 0])" : "") + R"(}],
+    "constraints": [{"plugin": "pin", "where": )" +
+         (is_static ? R"({"boundary": ["top"]})" : R"({"corners": ["left_top", "right_top"]})") +
+         R"(}], "integrator": {"plugin": )" +
          integrator + R"(, "step": 0.01}, "duration": 0.4})";
 }
 

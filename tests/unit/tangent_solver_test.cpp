@@ -58,11 +58,11 @@ TEST(TangentSolver, HandsOverTheWholeMatrix) {
   const ReductionMap map{Reduction(kNodes)};
   TangentSolver solver(
       map, k, {},
-      [&] {
+      MakeSolvers([&] {
         return std::vector<Named<LinearSolver>>{
             {"endless", "solver/endless", endless},
             {"cholmod", "solver/cholmod", test::make_builtin<LinearSolver>("cholmod")}};
-      },
+      }),
       [&]() -> const BlockMatrix& { return k; });
   ASSERT_TRUE(solver.takes_rows());
   solver.put(k);
@@ -86,9 +86,9 @@ TEST(TangentSolver, SaysWhyWhereItIsAlone) {
   const auto endless = std::make_shared<Endless>();
   TangentSolver solver(
       map, k, {},
-      [&] {
+      MakeSolvers([&] {
         return std::vector<Named<LinearSolver>>{{"endless", "solver/endless", endless}};
-      },
+      }),
       [&]() -> const BlockMatrix& { return k; });
   ASSERT_TRUE(solver.takes_rows());
   solver.put(k);

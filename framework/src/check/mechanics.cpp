@@ -144,9 +144,9 @@ double tangent_resolution(const System& system, State state) {
 double tangent_indefiniteness(const System& system, const State& state, Tangent kind) {
   NewtonMatrix tangent(system);
   tangent.evaluate(state, {.kind = kind});
-  const Index n = 3 * system.nodes();
+  const Index n = 3 * system.rows();
   Eigen::MatrixXd full(n, n);
-  NodeVectors x = NodeVectors::Zero(system.nodes(), 3), y;
+  NodeVectors x = NodeVectors::Zero(system.rows(), 3), y;
   for (Index j = 0; j < n; ++j) {
     x(j / 3, j % 3) = 1;
     tangent.matrix().multiply(x, y);
