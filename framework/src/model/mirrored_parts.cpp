@@ -33,10 +33,10 @@ class NegatedCopies {
     std::transform(values, values + size, std::back_inserter(room_), std::negate<>());
     return room_.data() + first;
   }
-  /// Without the arrays that are absent.
+  /// Nothing where there is nothing, or none is wanted.
   ConstVectors reflected(ConstVectors v, Index size) {
-    if (v) v.z = of(v.z, size);
-    return v;
+    if (!v || size == 0) return {};
+    return {v.x, v.y, of(v.z, size)};
   }
 
  private:

@@ -1,9 +1,8 @@
 /// Fields at the nodes and samples of a surface.
-#include "deform/plugin/field.h"
-
 #include <utility>
 #include <vector>
 
+#include "deform/plugin/field.h"
 #include "deform/surface/surface.h"
 
 namespace deform {
