@@ -12,6 +12,7 @@ bool MaterialDamping::is_any() const {
 }
 
 bool MaterialDamping::is_any_by_velocity(Strains* strains) const {
+  if (!is_any()) return false;
   const std::vector<double> of_velocity = factors(false, strains);
   return std::ranges::any_of(of_velocity, [](double t) { return t > 0; });
 }

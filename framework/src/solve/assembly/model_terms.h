@@ -76,13 +76,12 @@ class ModelTerms {
   /// with its means.
   [[nodiscard]] Geometries geometries(std::size_t i, const StateGeometry& now,
                                       Strains* strains) const;
-  /// The same, one a set, by a function of the set's number.
+  /// The same, one a set, by a function of the set's number; until the next call.
   template <class Of>
-  [[nodiscard]] std::vector<Geometries> geometries_of_sets(const Of& of) const {
-    std::vector<Geometries> all;
-    all.reserve(sets_.size());
-    for (std::size_t i = 0; i < sets_.size(); ++i) all.push_back(of(i));
-    return all;
+  [[nodiscard]] std::span<const Geometries> geometries_of_sets(const Of& of) {
+    all_geometries_.clear();
+    for (std::size_t i = 0; i < sets_.size(); ++i) all_geometries_.push_back(of(i));
+    return all_geometries_;
   }
 
   /// Evaluates stress, or what `part` says, of all terms at a state's positions.
@@ -118,6 +117,7 @@ class ModelTerms {
   GeometryCache cache_;
   long versions_ = 0;
   std::vector<double> density_;
+  std::vector<Geometries> all_geometries_;
 };
 
 }  // namespace deform
