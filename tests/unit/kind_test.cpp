@@ -41,9 +41,10 @@ TEST(Kinds, StandInScenesByNameOrPlural) {
 }
 
 TEST(SceneSections, OfOneValueHaveTheNameOfItsField) {
-  for (const SceneSection& section : scene_sections())
-    if (section.form == SceneSection::Form::value)
-      EXPECT_EQ(section.name, section.fields().front().name);
+  for (const SceneSection& section : scene_sections()) {
+    if (section.form != SceneSection::Form::value) continue;
+    EXPECT_EQ(section.name, section.fields().front().name);
+  }
 }
 
 TEST(Kinds, AreAskedForByTheirInterface) {
