@@ -126,7 +126,7 @@ class Capped final : public Objective {
   [[nodiscard]] double slope(const NodeVectors& direction) const override {
     return -force_.cwiseProduct(direction).sum();
   }
-  [[nodiscard]] double longest_step(const Path& path) override { return cap_ / path.length(); }
+  [[nodiscard]] double step_limit(const Path& path) override { return cap_ / path.length(); }
   [[nodiscard]] double characteristic_length() const override { return 1; }
 
   double farthest = 0;  // that a node was moved from the last evaluation [m]

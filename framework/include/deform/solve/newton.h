@@ -52,7 +52,7 @@ class DEFORM_API Objective {
 
   /// How far along a path positions may go at once, 1 being Newton's step: what lies beyond is not
   /// admissible, or not to be trusted. More than 0; infinite where anything goes.
-  [[nodiscard]] virtual double longest_step(const Path& path);
+  [[nodiscard]] virtual double step_limit(const Path& path);
   /// Length of the surface [m], and of a displacement (N × 3) as errors are measured [m].
   [[nodiscard]] virtual double characteristic_length() const = 0;
   [[nodiscard]] virtual double length(const NodeVectors& displacement) const;

@@ -55,12 +55,12 @@ void Contraction::load(const Memory& memory) {
   if (theta_ < 0 || tau_ < 0) throw InputError("the checkpoint's \"contraction\" is none");
 }
 
-bool Contraction::solve(Objective& objective, const NewtonSettings& settings, State& state,
-                        StepReport& report) {
+bool Contraction::solve(Objective& objective, const NewtonSettings& settings, Path& path,
+                        State& state, StepReport& report) {
   guess_ = state.r;
   report.residuals.clear();
   try {
-    if (contract(objective, settings, state, report)) return true;
+    if (contract(objective, settings, path, state, report)) return true;
   } catch (const NotFinite&) {
     // What went too far comes again from the guess.
   }
@@ -72,7 +72,7 @@ bool Contraction::solve(Objective& objective, const NewtonSettings& settings, St
 /// The first tangents are projected ones: far from the solution the exact one is no better, costs
 /// more, and is often indefinite. The first serves the second correction, too, where earlier ones
 /// shrank well; one that does not is none.
-bool Contraction::contract(Objective& f, const NewtonSettings& settings, State& state,
+bool Contraction::contract(Objective& f, const NewtonSettings& settings, Path& path, State& state,
                            StepReport& report) {
   double first = 0, last = 0, last_norm = kInfinity, theta = theta_;
   for (int i = 0; i < kMostContractions; ++i) {
@@ -99,7 +99,9 @@ bool Contraction::contract(Objective& f, const NewtonSettings& settings, State& 
     const bool shrinks =
         theta <= kContraction || correction <= kSmall * first || norm <= kContraction * last_norm;
     if (i > 0 && !shrinks) return false;
-    state.r += direction_;
+    path.begin(state.r, direction_, false);
+    if (!(f.step_limit(path) >= 1)) return false;
+    path.at(1, state.r);
     if (is_small_enough({theta, forcing(i), correction, norm}, settings.error, f.scale())) {
       if (i == 0) fade();
       return true;

@@ -49,7 +49,7 @@ class Equilibrium::Impl final : public Objective {
     return -residual_.cwiseProduct(direction).sum();
   }
   /// What is longer leads out of all bounds.
-  [[nodiscard]] double longest_step(const Path& path) override {
+  [[nodiscard]] double step_limit(const Path& path) override {
     return kFarthest * size_ / std::max(path.length(), 1e-300);
   }
   [[nodiscard]] double characteristic_length() const override { return size_; }

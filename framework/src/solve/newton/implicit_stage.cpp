@@ -24,6 +24,7 @@ struct ImplicitStage::Impl {
   StageObjective objective;
   Contraction contraction;
   std::optional<Newton> newton;  // of the system …
+  std::optional<Path> path;      // likewise, of contractions
   const System* of = nullptr;    // … that the last stage was of
   State begin;                   // of a step, as a guess
 };
@@ -48,7 +49,8 @@ bool ImplicitStage::Impl::contract(System& system, State& state) {
   if (settings.newton_error == 0 || !objective.has_potential() || system.contact().bodies() > 0)
     return false;
   objective.begin_path(state);
-  if (!contraction.solve(objective, newton_settings(), state, system.step_report())) return false;
+  if (!contraction.solve(objective, newton_settings(), *path, state, system.step_report()))
+    return false;
   system.step_report().potential_change = std::nan("");  // Φ was not looked at
   return true;
 }
@@ -87,7 +89,7 @@ ImplicitStage::~ImplicitStage() = default;
 std::string ImplicitStage::solve(System& system, const Stage& stage, State& state) {
   const Span span("stage");
   Impl& s = *impl_;
-  if (s.of != &system) s.newton.emplace(system);
+  if (s.of != &system) s.newton.emplace(system), s.path.emplace(system);
   s.of = &system;
   s.measure_strains(system, stage);
   s.objective.begin(system, stage, s.strains);

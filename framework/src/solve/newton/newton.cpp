@@ -52,7 +52,7 @@ constexpr std::int64_t kMostRoundabout = 12;
 
 Objective::~Objective() = default;
 bool Objective::find_full_direction(State& /*state*/, NodeVectors& /*direction*/) { return false; }
-double Objective::longest_step(const Path& /*path*/) { return kInfinity; }
+double Objective::step_limit(const Path& /*path*/) { return kInfinity; }
 double Objective::length(const NodeVectors& displacement) const {
   return displacement.rowwise().norm().maxCoeff();
 }
@@ -71,11 +71,11 @@ struct Newton::Impl {
   [[nodiscard]] std::string find_direction(State& state, std::int64_t iteration, double relative);
   [[nodiscard]] std::string why_no_solution(std::int64_t iteration, double relative) const;
   [[nodiscard]] bool may_go_back() const { return is_nonmonotone && patience > 0; }
-  [[nodiscard]] bool take_whole_step(State& state, double longest_step);
-  [[nodiscard]] bool take_watched_step(State& state, double longest_step);
-  [[nodiscard]] std::string search(State& state, double norm, double longest_step);
-  [[nodiscard]] bool search_along(State& state, double norm, double longest_step);
-  double go_farther(double s, double there, double longest_step, State& state);
+  [[nodiscard]] bool take_whole_step(State& state, double limit);
+  [[nodiscard]] bool take_watched_step(State& state, double limit);
+  [[nodiscard]] std::string search(State& state, double norm, double limit);
+  [[nodiscard]] bool search_along(State& state, double norm, double limit);
+  double go_farther(double s, double there, double limit, State& state);
   void remember(State& state, double merit);
   void go_back(State& state);
   void end_nonmonotone(State& state);
@@ -190,8 +190,8 @@ void Newton::Impl::end_nonmonotone(State& state) {
 
 /// Doubles a step whose merit is `there` as long as that falls: the projected tangent is stiffer
 /// than the surface, most so where it buckles. Returns the merit it comes to.
-double Newton::Impl::go_farther(double s, double there, double longest_step, State& state) {
-  for (int k = 0; kind == Tangent::projected && k < kMostDoublings && 2 * s <= longest_step; ++k) {
+double Newton::Impl::go_farther(double s, double there, double limit, State& state) {
+  for (int k = 0; kind == Tangent::projected && k < kMostDoublings && 2 * s <= limit; ++k) {
     nearer = state.r;
     path.at(2 * s, state.r);
     const double farther = f->merit(state);
@@ -208,14 +208,14 @@ double Newton::Impl::go_farther(double s, double there, double longest_step, Sta
 /// as steps into what a thin sheet resists most are taken back by the next. After a straight step
 /// the next tangent is that of the stress which this one predicted. Returns whether the merit is
 /// the lowest now; if not, it may be back where it was.
-bool Newton::Impl::take_watched_step(State& state, double longest_step) {
+bool Newton::Impl::take_watched_step(State& state, double limit) {
   const Span span("step along the direction");
   before = state.r;
   if (patience == 0) tried = std::min(rotation, path.angle());
-  const double s = std::min({1.0, longest_step, rotation / std::max(path.angle(), 1e-300)});
+  const double s = std::min({1.0, limit, rotation / std::max(path.angle(), 1e-300)});
   path.at(s, state.r);
   next = path.is_straight() ? Tangent::mixed : Tangent::exact;
-  const double merit = go_farther(s, f->merit(state), longest_step, state);
+  const double merit = go_farther(s, f->merit(state), limit, state);
   if (merit < lowest.merit) {
     remember(state, merit);
     rotation = std::min(kLargestRotation, kLonger * rotation);
@@ -230,8 +230,8 @@ bool Newton::Impl::take_watched_step(State& state, double longest_step) {
 }
 
 /// One step as it comes; false where it may not be taken, or its tangent is not the exact one.
-bool Newton::Impl::take_whole_step(State& state, double longest_step) {
-  if (kind == Tangent::projected || !(longest_step >= 1)) return false;
+bool Newton::Impl::take_whole_step(State& state, double limit) {
+  if (kind == Tangent::projected || !(limit >= 1)) return false;
   before = state.r;
   path.at(1, state.r);
   next = Tangent::mixed;
@@ -240,18 +240,18 @@ bool Newton::Impl::take_whole_step(State& state, double longest_step) {
 }
 
 /// Goes along the path as far as the merit falls; false where it does not.
-bool Newton::Impl::search_along(State& state, double norm, double longest_step) {
+bool Newton::Impl::search_along(State& state, double norm, double limit) {
   const Span span("line search");
   const double at_begin = f->has_potential() ? f->merit(state) : norm;
   const double slope = f->has_potential() ? f->slope(direction) : -norm;
   const double rounding = kRoundingOfEnergy * std::abs(at_begin);
   const NodeVectors from = state.r;
-  double s = std::min({1.0, longest_step, kLargestRotation / std::max(path.angle(), 1e-300)});
+  double s = std::min({1.0, limit, kLargestRotation / std::max(path.angle(), 1e-300)});
   for (int cut = 0; cut < kMostCuts; ++cut, s /= 2) {
     path.at(s, state.r);
     const double there = f->merit(state);
     if (!(there <= at_begin + kArmijo * s * slope + rounding)) continue;
-    if (cut == 0) (void)go_farther(s, there, longest_step, state);
+    if (cut == 0) (void)go_farther(s, there, limit, state);
     return true;
   }
   state.r = from;
@@ -260,14 +260,14 @@ bool Newton::Impl::search_along(State& state, double norm, double longest_step) 
 
 /// A step by line search; "" or why there is none. Its tangent is the exact one, or if that does
 /// not help the projected one.
-std::string Newton::Impl::search(State& state, double norm, double longest_step) {
+std::string Newton::Impl::search(State& state, double norm, double limit) {
   const double relative = norm / f->scale();
   next = Tangent::exact;
-  if (search_along(state, norm, longest_step)) return "";
+  if (search_along(state, norm, limit)) return "";
   // Close to the end Φ changes by less than its rounding, and where a surface's frame is mixed a
   // force is not quite its gradient: the residual goes on.
   const NodeVectors from = state.r;
-  state.r += std::min(1.0, longest_step) * direction;
+  path.at(std::min(1.0, limit), state.r);
   if (f->evaluate_residual(state) < 0.5 * norm) return "";
   state.r = from;
   if (relative <= kRoundingOfForces) {
@@ -322,21 +322,21 @@ std::string Newton::Impl::iterate(State& state) {
       if (accepts(state, norm, Objective::Ending::no_distance)) return "";
       continue;
     }
-    const double longest_step = f->longest_step(path);
+    const double limit = f->step_limit(path);
     if (is_nonmonotone && !settings.watches) {
-      if (!take_whole_step(state, longest_step)) end_nonmonotone(state);
+      if (!take_whole_step(state, limit)) end_nonmonotone(state);
       continue;
     }
     const double correction = f->length(direction);
     const double theta = correction / std::exchange(last_correction, correction);
     const bool may_end =
-        is_nonmonotone && path.angle() <= rotation && longest_step >= 1 && f->is_fixed() &&
+        is_nonmonotone && path.angle() <= rotation && limit >= 1 && f->is_fixed() &&
         is_small_enough({theta, kForcing, correction, norm}, settings.error, f->scale());
     if (is_nonmonotone) {
-      const bool is_lowest = take_watched_step(state, longest_step);
+      const bool is_lowest = take_watched_step(state, limit);
       if (may_end && is_lowest) return "";
       if (patience == 0 && !is_lowest) last_correction = 0;  // it went back
-    } else if (reason = search(state, norm, longest_step); !reason.empty()) {
+    } else if (reason = search(state, norm, limit); !reason.empty()) {
       return reason;
     }
   }
