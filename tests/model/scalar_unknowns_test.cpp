@@ -21,8 +21,7 @@ std::string net(const std::string& energy, const std::string& integrator) {
          (is_static ? R"(, "acceleration": [0, -9.81, 0])" : "") + R"(}],
     "constraints": [{"plugin": "pin", "where": )" +
          (is_static ? R"({"boundary": ["top"]})" : R"({"corners": ["left_top", "right_top"]})") +
-         R"(}], "integrator": {"plugin": )" +
-         integrator + R"(, "step": 0.01}, "duration": 0.4})";
+         R"(}], "integrator": {"plugin": )" + integrator + R"(, "step": 0.01}, "duration": 0.4})";
 }
 
 std::string hidden(const std::string& more = "") {

@@ -20,7 +20,8 @@ BlockMatrix chain() {
 /// Row a of the chain: block (a, b) is filled with 10 a + b.
 std::vector<double> row_of(const BlockMatrix& k, Index a) {
   std::vector<double> row;
-  for (const std::int32_t b : k.columns(a)) row.insert(row.end(), 9, static_cast<double>(10 * a + b));
+  for (const std::int32_t b : k.columns(a))
+    row.insert(row.end(), 9, static_cast<double>(10 * a + b));
   return row;
 }
 

@@ -57,8 +57,7 @@ TEST(TangentSolver, HandsOverTheWholeMatrix) {
   const auto endless = std::make_shared<Endless>();
   const ReductionMap map{Reduction(kNodes)};
   TangentSolver solver(
-      map, k, {},
-      MakeSolvers([&] {
+      map, k, {}, MakeSolvers([&] {
         return std::vector<Named<LinearSolver>>{
             {"endless", "solver/endless", endless},
             {"cholmod", "solver/cholmod", test::make_builtin<LinearSolver>("cholmod")}};
@@ -85,8 +84,7 @@ TEST(TangentSolver, SaysWhyWhereItIsAlone) {
   const ReductionMap map{Reduction(4)};
   const auto endless = std::make_shared<Endless>();
   TangentSolver solver(
-      map, k, {},
-      MakeSolvers([&] {
+      map, k, {}, MakeSolvers([&] {
         return std::vector<Named<LinearSolver>>{{"endless", "solver/endless", endless}};
       }),
       [&]() -> const BlockMatrix& { return k; });

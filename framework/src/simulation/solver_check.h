@@ -12,7 +12,6 @@ namespace deform {
 /// Throws InputError at /solver, naming the solver, the matrix and the solvers that take it, when
 /// `make_solvers` gives none that does; the matrix is that of `integrator` (Integrator::solves).
 void require_solver(const Scene& scene, const PluginRegistry& registry, const System& system,
-                    const Named<Integrator>& integrator,
-                    const MakeSolvers& make_solvers);
+                    const Named<Integrator>& integrator, const MakeSolvers& make_solvers);
 
 }  // namespace deform

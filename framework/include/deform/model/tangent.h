@@ -16,11 +16,11 @@ enum class Tangent : std::uint8_t {
   exact,         ///< the Hessian; indefinite where the surface is compressed
   projected,     ///< Gauss–Newton and what else is positive semidefinite at each sample
   gauss_newton,  ///< δG and δB are taken as linear in δr: positive semidefinite, and coarser
-  /// The Hessian with the stress that the last Newton step predicted, C (T + δT) at the state before
-  /// it, in place of the stress now, which a long step's rotation has spoiled by stretching the
-  /// surface; where there is no such step, or a term knows no such stress, the exact one. Newton's
-  /// method then takes long steps, and still converges quadratically (the mixed integration points
-  /// of Magisano, Leonetti & Garcea 2017).
+  /// The Hessian with the stress that the last Newton step predicted, C (T + δT) at the state
+  /// before it, in place of the stress now, which a long step's rotation has spoiled by stretching
+  /// the surface; where there is no such step, or a term knows no such stress, the exact one.
+  /// Newton's method then takes long steps, and still converges quadratically (the mixed
+  /// integration points of Magisano, Leonetti & Garcea 2017).
   mixed,
 };
 
