@@ -119,6 +119,10 @@ class PluginCheck(unittest.TestCase):
         self.assertIn("reported", stress[0])
         self.assertIn("`stress`", found)
 
+    def test_scalar_unknowns_take_part(self):
+        for mass in (0, 0.1):
+            self.check(FIXTURES / "energy-hidden_springs.so", {"mass": mass, "initial": 0.01})
+
     def test_what_is_not_finite_is_named(self):
         found = self.check(FIXTURES / "normal-liar.so", {"about": "finite"}, FAILED)
         self.assertRegex(" ".join(found.split()), r"\b[psc](_[12xyz])? of pair (11|12|22) at sample \d+")

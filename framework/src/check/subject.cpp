@@ -1,10 +1,12 @@
 #include "check/subject.h"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <variant>
 
 #include "deform/error.h"
+#include "deform/model/energy_term.h"
 
 #include "json/json_pointer.h"
 #include "scene/scene_rules.h"
@@ -43,6 +45,9 @@ Json Subject::use() const {
 }
 
 namespace {
+
+/// Of the scene, where the plugin is none.
+constexpr const char* kIntegrator = "semi_implicit";
 
 /// Where a plugin of the kind stands in the scene that it is put into.
 std::string place_of(PluginKind kind) {
@@ -87,7 +92,7 @@ const PluginUse* find_use(const PluginUse& use, const std::string& place) {
 
 }  // namespace
 
-Json Subject::scene_json(const Terrain& terrain) const {
+Json Subject::scene_json(const Terrain& terrain, const std::string& integrator) const {
   constexpr double kStep = 0.002;
   Json scene{
       {"title", "check"},
@@ -96,7 +101,7 @@ Json Subject::scene_json(const Terrain& terrain) const {
       {"energies", Json::array({{{"plugin", "stretching"}, {"eta", 0.01}}})},
       {"forces", Json::array({{{"plugin", "gravity"}, {"acceleration", {0, 0, -1}}}})},
       {"constraints", Json::array({{{"plugin", "pin"}, {"where", {{"boundary", "left"}}}}})},
-      {"integrator", {{"plugin", "semi_implicit"}}},
+      {"integrator", {{"plugin", integrator}}},
       {"duration", 0.1},
   };
   suit(kind(), scene);
@@ -105,12 +110,27 @@ Json Subject::scene_json(const Terrain& terrain) const {
   return scene;
 }
 
-Scene Subject::scene(const Terrain& terrain) const {
-  return read_scene_text(scene_json(terrain).dump(), kCheckedScene, std::filesystem::current_path(),
-                         *registry_);
+Scene Subject::scene(const Terrain& terrain, const std::string& integrator) const {
+  return read_scene_text(scene_json(terrain, integrator).dump(), kCheckedScene,
+                         std::filesystem::current_path(), *registry_);
 }
 
-Simulation Subject::simulation(const Terrain& terrain) const { return {scene(terrain), registry_}; }
+Scene Subject::scene(const Terrain& terrain) const { return scene(terrain, kIntegrator); }
+
+/// Scalar unknowns without mass take one that solves with tangents.
+std::string Subject::integrator_for(const Terrain& terrain) const {
+  if (kind() != PluginKind::energy) return kIntegrator;
+  const auto term = std::dynamic_pointer_cast<const TupleTerm>(make<EnergyTerm>(terrain).object);
+  if (term == nullptr) return kIntegrator;
+  const std::vector<ScalarUnknown> scalars = term->scalars();
+  const bool is_massless =
+      std::ranges::any_of(scalars, [](const ScalarUnknown& s) { return s.mass == 0; });
+  return is_massless ? "backward_euler" : kIntegrator;
+}
+
+Simulation Subject::simulation(const Terrain& terrain) const {
+  return {scene(terrain, integrator_for(terrain)), registry_};
+}
 
 PluginUse Subject::use_in(const Scene& scene) const {
   const std::string place = place_of(kind());

@@ -57,7 +57,9 @@ class Subject {
   [[nodiscard]] Made<Interface> make(const Terrain& terrain) const;
 
  private:
-  [[nodiscard]] Json scene_json(const Terrain& terrain) const;
+  [[nodiscard]] Json scene_json(const Terrain& terrain, const std::string& integrator) const;
+  [[nodiscard]] Scene scene(const Terrain& terrain, const std::string& integrator) const;
+  [[nodiscard]] std::string integrator_for(const Terrain& terrain) const;
   [[nodiscard]] PluginUse use_in(const Scene& scene) const;
 
   std::shared_ptr<const PluginRegistry> registry_;
