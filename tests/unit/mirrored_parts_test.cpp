@@ -66,7 +66,9 @@ struct Motion {
 struct FieldPair {
   std::string name;
   ParameterValues scene, image;
-  friend void PrintTo(const FieldPair& pair, std::ostream* out) { *out << pair.name; }
+  friend std::ostream& operator<<(std::ostream& out, const FieldPair& pair) {
+    return out << pair.name;
+  }
 };
 
 /// 5 × 4 nodes, flat.
