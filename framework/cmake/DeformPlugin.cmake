@@ -1,11 +1,11 @@
-# deform_add_plugin(KIND NAME SOURCES file… [LIBRARIES target…] [INSTALL])
+# deform_add_plugin(KIND NAME SOURCES file… [LIBRARIES target…] [PRECOMPILED target] [INSTALL])
 #
 # Builds one plugin as a shared library KIND-NAME.so, the name by which the host finds it, with the framework's
 # flags. In a project of one's own it lands in the current binary folder: give that to `deform --plugin-path`.
 function(deform_add_plugin kind name)
-  cmake_parse_arguments(PLUGIN "INSTALL" "OUTPUT_DIRECTORY" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(PLUGIN "INSTALL" "OUTPUT_DIRECTORY;PRECOMPILED" "SOURCES;LIBRARIES" ${ARGN})
   if(PLUGIN_UNPARSED_ARGUMENTS OR NOT PLUGIN_SOURCES)
-    message(FATAL_ERROR "deform_add_plugin(KIND NAME SOURCES file… [LIBRARIES target…] [INSTALL])")
+    message(FATAL_ERROR "deform_add_plugin(KIND NAME SOURCES file… [LIBRARIES target…] [PRECOMPILED target] [INSTALL])")
   endif()
   get_property(kinds GLOBAL PROPERTY DEFORM_PLUGIN_KINDS)
   if(NOT kind IN_LIST kinds)
@@ -20,6 +20,9 @@ function(deform_add_plugin kind name)
   # Nothing but the descriptor is visible, so that two plugins cannot bind to each other's symbols.
   set_target_properties(${target} PROPERTIES PREFIX "" OUTPUT_NAME "${kind}-${name}" SUFFIX ".so"
     CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+  if(PLUGIN_PRECOMPILED)
+    target_precompile_headers(${target} REUSE_FROM ${PLUGIN_PRECOMPILED})
+  endif()
   if(PLUGIN_OUTPUT_DIRECTORY)
     set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${PLUGIN_OUTPUT_DIRECTORY})
   else()
