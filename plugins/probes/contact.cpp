@@ -31,7 +31,7 @@ class Contact final : public Probe {
   }
 
  private:
-  /// Nodes that are nearer than this to a body, in sizes of the surface, touch it.
+  /// Nodes that are nearer than this to a body, in characteristic lengths, touch it.
   static constexpr double kTouching = 1e-6;
 
   /// How many nodes are nearer to a body, or to the distance that nodes keep from it, than `within`

@@ -23,7 +23,7 @@ struct Parameters {
   static void declare(Declaration<Parameters>& d) {
     d("where", &Parameters::where, "", "the hem's nodes: one line along a1 or a2").required();
     d("prominence", &Parameters::prominence, "1",
-      "how far a fold stands out at least, in sizes of the surface")
+      "how far a fold stands out at least, in characteristic lengths")
         .at_least(0);
   }
 };

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "deform/check/mechanics.h"
+#include "deform/record/trajectory.h"
+#include "deform/simulation/run.h"
 
 #include "model/support/simulate.h"
 
@@ -94,6 +96,28 @@ TEST(ScalarUnknowns, GoOnFromWhatWasSaved) {
         EXPECT_EQ(s.state().v, resumed.state().v) << integrator;
       }
     }
+}
+
+TEST(ScalarUnknowns, AreInTrajectories) {
+  const auto folder = std::filesystem::temp_directory_path() / "deform_scalar_unknowns";
+  std::filesystem::remove_all(folder);
+  static const auto registry = std::make_shared<const PluginRegistry>(
+      std::vector<std::filesystem::path>{DEFORM_PLUGINS, DEFORM_FIXTURE_PLUGINS});
+  const std::string text = net(hidden(R"(, "initial": 0.125)"), R"("bdf2")");
+  const Scene scene = read_scene_text(text, "test scene", ".", *registry, {});
+  RunOptions options;
+  options.folder = folder;
+  EXPECT_EQ(run(scene, registry, options).code, ExitCode::done);
+  Simulation s(scene, registry);
+  const Index nodes = s.system().nodes();
+  const Trajectory trajectory(folder / kTrajectoryFile);
+  for (std::size_t frame = 0; frame < trajectory.frames(); ++frame) {
+    while (s.steps() < trajectory.moments()[frame].step) s.step();
+    EXPECT_EQ(trajectory.scalars(frame), s.state().r.col(0).tail(31));
+    EXPECT_EQ(trajectory.positions(frame), s.state().r.topRows(nodes));
+  }
+  EXPECT_EQ(trajectory.frames(), 41U);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(ScalarUnknowns, WithMassSwing) {

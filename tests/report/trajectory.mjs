@@ -8,9 +8,9 @@ export function readTrajectory(path) {
   const length = Number(file.readBigUInt64LE(magic.length));
   const header = magic.length + 8;
   const text = file.toString('utf8', header, header + length);
-  const { nodes, faces, corners, fields } = JSON.parse(text);
+  const { nodes, faces, corners, fields, scalars = 0 } = JSON.parse(text);
   const first = header + length + 24 * nodes + 4 * (faces + 1 + corners);
-  const bytes = 16 + nodes * (24 + 4 * fields.length);
+  const bytes = 16 + nodes * (24 + 4 * fields.length) + 8 * scalars;
   const moments = [];
   for (let at = first; at + bytes <= file.length; at += bytes) {
     moments.push({ step: Number(file.readBigInt64LE(at)), time: file.readDoubleLE(at + 8) });

@@ -56,7 +56,7 @@ void check_distances(const Collider& collider, Checks& checks) {
   for (Index i = 0; i + 1 < kPoints; ++i)
     steepest = std::max(steepest, std::abs(m.distance[i + 1] - m.distance[i]) /
                                       (points.row(i + 1) - points.row(i)).norm());
-  checks.below("a distance changes by no more than the way", steepest, 1 + 1e-12);
+  checks.below("a distance changes by no more than the point moves", steepest, 1 + 1e-12);
   const NodeVectors landed = points - m.distance.asDiagonal() * m.normal;
   const NodeValues left = measure(collider, 0.3, landed).distance;
   double outside = 0;

@@ -65,4 +65,19 @@ double first_after(const std::vector<double>& times, double after) {
   return next == times.end() ? kInfinity : *next;
 }
 
+ParameterValues::ParameterValues() = default;
+ParameterValues::~ParameterValues() = default;
+ParameterValues::ParameterValues(const ParameterValues& other) = default;
+ParameterValues::ParameterValues(ParameterValues&& other) noexcept = default;
+ParameterValues& ParameterValues::operator=(const ParameterValues& other) = default;
+ParameterValues& ParameterValues::operator=(ParameterValues&& other) noexcept = default;
+
+void ParameterValues::set(const std::string& name, ParameterValue value) {
+  values_[name] = std::move(value);
+}
+bool ParameterValues::has(const std::string& name) const { return values_.contains(name); }
+const ParameterValue& ParameterValues::at(const std::string& name) const {
+  return values_.at(name);
+}
+
 }  // namespace deform

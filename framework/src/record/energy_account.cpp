@@ -64,7 +64,7 @@ struct EnergyAccount::Impl {
   [[nodiscard]] Instant instant(const Frame& frame, NodeVectors load) const;
   void add_work(const Frame& frame, const Instant& now);
   [[nodiscard]] double work_of_constraints(const Frame& frame, const Instant& now,
-                                           const NodeVectors& way) const;
+                                           const NodeVectors& displacement) const;
   [[nodiscard]] NodeVectors prescribed_part(NodeVectors change) const;
 
   Index nodes;
@@ -86,10 +86,10 @@ Instant EnergyAccount::Impl::instant(const Frame& frame, NodeVectors load) const
 }
 
 void EnergyAccount::Impl::add_work(const Frame& frame, const Instant& now) {
-  const NodeVectors way = now.r - last.r;
-  const double loads = 0.5 * dot(last.load + now.load, way);
-  const double damping = -0.5 * dot(last.damping + now.damping, way);
-  const double constraints = any_prescribed ? work_of_constraints(frame, now, way) : 0;
+  const NodeVectors displacement = now.r - last.r;
+  const double loads = 0.5 * dot(last.load + now.load, displacement);
+  const double damping = -0.5 * dot(last.damping + now.damping, displacement);
+  const double constraints = any_prescribed ? work_of_constraints(frame, now, displacement) : 0;
   account.loads += loads;
   account.damping += damping;
   account.constraints += constraints;
@@ -99,8 +99,8 @@ void EnergyAccount::Impl::add_work(const Frame& frame, const Instant& now) {
 
 /// The reactions do no work on what the free components bring about: T^T reaction = 0.
 double EnergyAccount::Impl::work_of_constraints(const Frame& frame, const Instant& now,
-                                                const NodeVectors& way) const {
-  const NodeVectors moved = prescribed_part(way);
+                                                const NodeVectors& displacement) const {
+  const NodeVectors moved = prescribed_part(displacement);
   const NodeVectors mean_velocity = prescribed_part(0.5 * (last.v + now.v));
   if (moved.isZero(0) && mean_velocity.isZero(0)) return 0;
   const NodeVectors gained = frame.system.mass().asDiagonal() * (now.v - last.v);

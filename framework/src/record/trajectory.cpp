@@ -70,6 +70,7 @@ void Trajectory::read_header() {
   if (!(mesh_.size > 0) || !std::isfinite(mesh_.size))
     throw std::runtime_error("its surface has no size");
   for (const Json& field : header.at("fields")) fields_.push_back(field_of(field));
+  if (header.contains("scalars")) scalars_ = count("scalars");
   read_mesh(count("nodes"), count("faces"), count("corners"));
   check_mesh();
 }
@@ -112,7 +113,9 @@ void Trajectory::check_mesh() const {
     throw std::runtime_error("its parameters or areas are not finite");
 }
 
-std::size_t Trajectory::frame_bytes() const { return bytes_of_frame(nodes(), fields_.size()); }
+std::size_t Trajectory::frame_bytes() const {
+  return bytes_of_frame(nodes(), fields_.size()) + scalars_ * sizeof(double);
+}
 
 void Trajectory::find_moments() {
   for (std::size_t at = first_frame_; at + frame_bytes() <= bytes_; at += frame_bytes()) {
@@ -140,18 +143,28 @@ std::size_t Trajectory::place_of(std::size_t frame) const {
   return first_frame_ + frame * frame_bytes();
 }
 
-NodeVectors Trajectory::positions(std::size_t frame) const {
-  NodeVectors r(mesh_.areas.size(), 3);
+void Trajectory::read_finite(std::size_t frame, std::size_t offset, double* to, std::size_t count,
+                             const char* what) const {
   try {
-    read(place_of(frame) + kMomentBytes, r.data(),
-         static_cast<std::size_t>(r.size()) * sizeof(double));
+    read(place_of(frame) + offset, to, count * sizeof(double));
   } catch (const std::runtime_error& e) {
     throw InputError(fmt::format("{}: {}", path_.string(), e.what()));
   }
-  if (!r.allFinite())
-    throw InputError(fmt::format("{} is damaged: a position of its frame {} is not finite",
-                                 path_.string(), frame));
+  if (!std::all_of(to, to + count, [](double x) { return std::isfinite(x); }))
+    throw InputError(fmt::format("{} is damaged: a {} of its frame {} is not finite",
+                                 path_.string(), what, frame));
+}
+
+NodeVectors Trajectory::positions(std::size_t frame) const {
+  NodeVectors r(mesh_.areas.size(), 3);
+  read_finite(frame, kMomentBytes, r.data(), static_cast<std::size_t>(r.size()), "position");
   return r;
+}
+
+NodeValues Trajectory::scalars(std::size_t frame) const {
+  NodeValues s(static_cast<Index>(scalars_));
+  read_finite(frame, bytes_of_frame(nodes(), fields_.size()), s.data(), scalars_, "scalar unknown");
+  return s;
 }
 
 std::vector<float> Trajectory::field(std::size_t frame, std::size_t field) const {

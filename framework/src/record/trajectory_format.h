@@ -17,6 +17,7 @@ inline constexpr std::size_t kMomentBytes = sizeof(std::int64_t) + sizeof(double
 /// Longer than any header that is written.
 inline constexpr std::uint64_t kMostHeader = 1 << 20;
 
+/// Up to and with so many of its fields.
 [[nodiscard]] inline std::size_t bytes_of_frame(std::size_t nodes, std::size_t fields) {
   return kMomentBytes + nodes * (3 * sizeof(double) + fields * sizeof(float));
 }

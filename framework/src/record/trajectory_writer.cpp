@@ -30,11 +30,11 @@ void append_matrix(std::string& bytes, const Matrix& m) {
 TrajectoryWriter::TrajectoryWriter(const std::filesystem::path& file, const System& system,
                                    double size, std::size_t keep)
     : fields_(system), file_(file, keep) {
-  if (keep == 0) file_.append(header(system.surface(), system.areas(), size));
+  if (keep == 0) file_.append(header(system, size));
 }
 
-std::string TrajectoryWriter::header(const Surface& surface, const NodeValues& areas,
-                                     double size) const {
+std::string TrajectoryWriter::header(const System& system, double size) const {
+  const Surface& surface = system.surface();
   const Faces& faces = surface.faces();
   Json json = {{"nodes", surface.nodes()},
                {"faces", faces.size()},
@@ -42,12 +42,13 @@ std::string TrajectoryWriter::header(const Surface& surface, const NodeValues& a
                {"size", size},
                {"fields", Json::array()}};
   for (const TrajectoryField& field : fields_.fields()) json["fields"].push_back(json_of(field));
+  if (!system.scalars().empty()) json["scalars"] = system.scalars().size();
   const std::string text = json.dump();
   std::string bytes(kMagic);
   append(bytes, static_cast<std::uint64_t>(text.size()));
   bytes += text;
   append_matrix(bytes, surface.parameters());
-  append_matrix(bytes, areas);
+  append_matrix(bytes, system.areas());
   append(bytes, std::span<const std::int32_t>(faces.begin));
   append(bytes, std::span<const std::int32_t>(faces.nodes));
   return bytes;
@@ -62,6 +63,8 @@ void TrajectoryWriter::record(const Frame& frame) {
   for (const std::vector<float>& values : fields_.evaluate(frame)) {
     append(frame_, std::span<const float>(values));
   }
+  const Index nodes = frame.system.nodes();
+  append_matrix(frame_, NodeValues(frame.state.r.col(0).tail(frame.state.r.rows() - nodes)));
   file_.append(frame_);
   last_ = frame.step;
 }

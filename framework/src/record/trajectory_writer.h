@@ -28,8 +28,7 @@ class TrajectoryWriter {
   WrittenFile close();
 
  private:
-  [[nodiscard]] std::string header(const Surface& surface, const NodeValues& areas,
-                                   double size) const;
+  [[nodiscard]] std::string header(const System& system, double size) const;
 
   NodeFields fields_;
   AppendFile file_;

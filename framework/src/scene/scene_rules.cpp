@@ -71,7 +71,7 @@ struct MaterialRules {
 struct Limits {
   double distance = Scene{}.max_distance;
   static void declare(Declaration<Limits>& d) {
-    d("distance", &Limits::distance, "sizes of the surface",
+    d("distance", &Limits::distance, "characteristic lengths",
       "a node farther than this from the rest state's centre means divergence")
         .above(0);
   }
@@ -109,7 +109,7 @@ struct ComparisonRules {
     d("reference", &ComparisonRules::reference, "",
       "the variant that the others are measured against, or refined: the scene on a grid twice as "
       "fine with a quarter of the step");
-    d("tolerance", &ComparisonRules::tolerance, "sizes of the surface",
+    d("tolerance", &ComparisonRules::tolerance, "characteristic lengths",
       "the distance from the reference at which a variant parts from it")
         .above(0);
     d("base", &ComparisonRules::base, "",

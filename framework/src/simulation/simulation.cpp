@@ -31,6 +31,7 @@
 #include "simulation/solver_check.h"
 #include "simulation/solver_uses.h"
 #include "solve/asked.h"
+#include "solve/system_parts.h"
 
 namespace deform {
 namespace {
@@ -403,7 +404,7 @@ void Simulation::Impl::throw_out_of_bounds(Index node) {
   const double distance = (state.r.row(node).transpose() - centroid).norm();
   throw Diverged(
       fmt::format("a node is {:.3g} m away from the centre of the rest state, more than {:g} "
-                  "sizes of the surface ({:.3g} m each)",
+                  "characteristic lengths ({:.3g} m each)",
                   distance, scene.max_distance, size),
       steps + 1, node, guilty_term(node));
 }
@@ -458,7 +459,7 @@ void Simulation::step(const AtBreak& at_break) {
 
 void Simulation::stop_when(const std::atomic<bool>* stop) {
   impl_->stop = stop;
-  impl_->system->stop_when(stop);
+  SystemParts::of(*impl_->system).meter.stop = stop;
 }
 
 const Scene& Simulation::scene() const { return impl_->scene; }

@@ -16,18 +16,25 @@ namespace deform {
 
 namespace {
 
-/// Collects the terms' scalar unknowns: rows beyond the nodes'.
+/// Throws PluginFailure where one cannot be.
+void check_scalars(const std::string& origin, const std::vector<ScalarUnknown>& scalars) {
+  for (const ScalarUnknown& s : scalars)
+    if (!std::isfinite(s.initial) || !(s.mass >= 0) || !(s.damping >= 0) ||
+        !std::isfinite(s.mass + s.damping))
+      throw PluginFailure(fmt::format(
+          "plugin {} has a scalar unknown that is not finite, or whose mass or damping is negative",
+          origin));
+}
+
+/// Collects the scalar unknowns of the surface and of terms: rows beyond the nodes'.
 ModelParts with_scalars(ModelParts parts) {
+  parts.scalars = parts.surface->scalars();
+  check_scalars("of the surface", parts.scalars);
   for (const Named<EnergyTerm>& energy : parts.energies)
     if (const auto term = std::dynamic_pointer_cast<const TupleTerm>(energy.object)) {
       const std::vector<ScalarUnknown> own =
           guarded(energy.origin, "naming its scalar unknowns", [&] { return term->scalars(); });
-      for (const ScalarUnknown& s : own)
-        if (!std::isfinite(s.initial) || !(s.mass >= 0) || !(s.damping >= 0) ||
-            !std::isfinite(s.mass + s.damping))
-          throw PluginFailure("plugin " + energy.origin +
-                              " has a scalar unknown that is not finite, or whose mass or damping "
-                              "is negative");
+      check_scalars(energy.origin, own);
       parts.scalars.insert(parts.scalars.end(), own.begin(), own.end());
     }
   const Index nodes = parts.mass.size(), rows = nodes + std::ssize(parts.scalars);
@@ -87,8 +94,6 @@ void System::begin_step() {
   ++parts_->meter.step;
 }
 
-void System::stop_when(const std::atomic<bool>* stop) { parts_->meter.stop = stop; }
-StepTimes& System::times() const { return parts_->meter.times; }
 StepReport& System::step_report() { return parts_->meter.report; }
 const StepReport& System::step_report() const { return parts_->meter.report; }
 

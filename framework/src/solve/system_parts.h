@@ -6,6 +6,7 @@
 #include "deform/solve/evaluator.h"
 #include "deform/solve/mass_matrix.h"
 #include "deform/solve/model_parts.h"
+#include "deform/solve/system.h"
 #include "deform/solve/term_probe.h"
 
 #include "solve/assembly/assembly.h"
@@ -19,6 +20,7 @@ class SystemParts {
   explicit SystemParts(ModelParts p);
   SystemParts(const SystemParts&) = delete;
   SystemParts& operator=(const SystemParts&) = delete;
+  [[nodiscard]] static SystemParts& of(const System& system) { return *system.parts_; }
 
   ModelParts model;
   WorkMeter meter;

@@ -15,10 +15,12 @@ struct WorkMeter {
   /// Which matrix a linear solver was chosen for; the first that has one is what a run names.
   enum class Matrix : std::size_t { lagged, newton, mass, jacobian, count };
 
-  StepTimes times;
   StepReport report;
-  long step = 0;                            ///< number of steps that have begun
-  const std::atomic<bool>* stop = nullptr;  ///< System::stop_when
+  long step = 0;  ///< number of steps that have begun
+  /// As soon as it is true, whatever evaluates, factorises or solves throws Error with
+  /// ExitCode::interrupted: an integrator's step ends there, whatever the integrator. What a step
+  /// has made until then is to be thrown away. Null: nothing stops them.
+  const std::atomic<bool>* stop = nullptr;
   std::array<std::string, static_cast<std::size_t>(Matrix::count)> choices;
 
   /// Throws Error where the step is to be given up.

@@ -126,6 +126,7 @@ class Selection {
 }  // namespace
 
 Surface::~Surface() = default;
+std::vector<ScalarUnknown> Surface::scalars() const { return {}; }
 
 std::vector<Index> select_nodes(const Surface& surface, const NodeSelection& where) {
   Selection selection(surface, where.pointer);

@@ -12,7 +12,7 @@ namespace deform::test {
 /// Nodes in rows along a1, `columns` × `rows`, spacing 1/(columns − 1) both ways; flat at rest.
 /// Nodes on a side of the rectangle have half the area of inner ones, those in its corners a
 /// quarter.
-class FakeSurface final : public Surface {
+class FakeSurface : public Surface {
  public:
   FakeSurface(Index columns, Index rows)
       : columns_(columns),

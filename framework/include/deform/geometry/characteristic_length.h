@@ -6,7 +6,7 @@
 namespace deform {
 
 /// The longest side of the box along x, y, z around points r (N × 3, N at least 1) [m]: what
-/// tolerances, limits and errors "in sizes of the surface" are relative to, mostly of its rest
+/// tolerances, limits and errors "in characteristic lengths" are relative to, mostly of its rest
 /// positions.
 [[nodiscard]] inline double characteristic_length(const NodeVectors& r) {
   return (r.colwise().maxCoeff() - r.colwise().minCoeff()).maxCoeff();

@@ -13,6 +13,7 @@
 #include "deform/model/tangent.h"
 #include "deform/plugin/descriptor.h"
 #include "deform/surface/sample_set.h"
+#include "deform/surface/scalar_unknown.h"
 #include "deform/types.h"
 
 namespace deform {
@@ -180,15 +181,6 @@ class DEFORM_API JetTerm : public EnergyTerm {
   [[nodiscard]] virtual const NormalEstimator* normal() const { return nullptr; }
 };
 
-/// An unknown beside the nodes' positions (an angle at an edge, a hidden coordinate, …), in units
-/// of its term's choice: forces on it are energies per unit, its mass is kg·m² per unit². It is
-/// kept as the x of a further row of positions, of which y and z stay 0.
-struct ScalarUnknown {
-  double initial = 0;
-  double mass = 0;     ///< 0: it is where forces on it balance; takes an implicit integrator
-  double damping = 0;  ///< force per rate
-};
-
 /// A block of node tuples: positions r(i, a) of the a-th node of tuple i, or (s, 0, 0) where that
 /// is a scalar unknown s.
 struct TupleBlock {
@@ -200,8 +192,13 @@ struct TupleBlock {
   const NodeVectors* lagged = nullptr;
 
   [[nodiscard]] Index node(Index i, int a) const { return nodes[i * width + a]; }
-  [[nodiscard]] Vec3 r(Index i, int a) const { return now->row(node(i, a)); }
-  [[nodiscard]] Vec3 r_lagged(Index i, int a) const { return lagged->row(node(i, a)); }
+  [[nodiscard]] Vec3 r(Index i, int a) const { return position(*now, node(i, a)); }
+  [[nodiscard]] Vec3 r_lagged(Index i, int a) const { return position(*lagged, node(i, a)); }
+
+ private:
+  [[nodiscard]] static Vec3 position(const NodeVectors& r, Index node) {
+    return {r(node, 0), r(node, 1), r(node, 2)};
+  }
 };
 
 /// An energy term on tuples of nodes (springs, hinges): f_a = −Σ_b k_ab r_b − c_a for each tuple.
@@ -215,8 +212,8 @@ class DEFORM_API TupleTerm : public EnergyTerm {
   [[nodiscard]] virtual int width() const = 0;
   /// The term's own scalar unknowns; fixed for the object's life. Default: none.
   [[nodiscard]] virtual std::vector<ScalarUnknown> scalars() const;
-  /// (T × width) node numbers, row-major; fixed for the object's life. The number of nodes + k is
-  /// the term's scalar unknown k.
+  /// (T × width) node numbers, row-major; fixed for the object's life. Behind the nodes come the
+  /// surface's scalar unknowns (Surface::scalars), which terms share, then the term's own.
   [[nodiscard]] virtual const std::vector<std::int32_t>& tuples() const = 0;
   /// Adds the energy [J] of each tuple.
   virtual void energy(const TupleBlock& block, Values energy) const = 0;

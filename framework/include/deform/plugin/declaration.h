@@ -14,8 +14,16 @@
 
 namespace deform {
 
-/// One parameter as declared. A scene's value must have `default_value`'s type.
-struct ParameterField {
+/// One parameter as declared. A scene's value must have `default_value`'s type. (Its copies are
+/// made in the library, as copies of a value of so many types take long to compile.)
+struct DEFORM_API ParameterField {
+  ParameterField();
+  ~ParameterField();
+  ParameterField(const ParameterField& other);
+  ParameterField(ParameterField&& other) noexcept;
+  ParameterField& operator=(const ParameterField& other);
+  ParameterField& operator=(ParameterField&& other) noexcept;
+
   std::string name;
   std::string unit;  ///< "" for none, "1" for a dimensionless number
   std::string doc;
@@ -31,6 +39,10 @@ struct ParameterField {
 };
 
 using ParameterFields = std::vector<ParameterField>;
+
+/// Appends a field and returns it.
+DEFORM_API ParameterField& add_field(ParameterFields& fields, const char* name, const char* unit,
+                                     const char* doc, const ParameterValue& default_value);
 
 /// Refines the field declared last.
 class FieldRefinement {
@@ -97,11 +109,8 @@ class Declaration {
       if (values_->has(name)) object_->*member = static_cast<T>(values_->get<Stored<T>>(name));
       return FieldRefinement(nullptr);
     }
-    ParameterField field;
-    field.name = name;
-    field.unit = unit;
-    field.doc = doc;
-    field.default_value = static_cast<Stored<T>>(P{}.*member);
+    ParameterField& field =
+        add_field(*fields_, name, unit, doc, static_cast<Stored<T>>(P{}.*member));
     if constexpr (!std::is_same_v<T, Stored<T>>) {  // what the member's type cannot hold is out of
                                                     // range
       if (std::is_unsigned_v<T>) field.minimum = 0;
@@ -110,8 +119,7 @@ class Declaration {
         field.maximum = static_cast<double>(std::numeric_limits<T>::max());
       }
     }
-    fields_->push_back(std::move(field));
-    return FieldRefinement(&fields_->back());
+    return FieldRefinement(&field);
   }
 
  private:

@@ -81,12 +81,20 @@ using ParameterValue =
 /// The values of one plugin's parameters, defaults filled in.
 class DEFORM_API ParameterValues {
  public:
-  void set(const std::string& name, ParameterValue value) { values_[name] = std::move(value); }
-  [[nodiscard]] bool has(const std::string& name) const { return values_.contains(name); }
-  [[nodiscard]] const ParameterValue& at(const std::string& name) const { return values_.at(name); }
+  ParameterValues();
+  ~ParameterValues();
+  ParameterValues(const ParameterValues& other);
+  ParameterValues(ParameterValues&& other) noexcept;
+  ParameterValues& operator=(const ParameterValues& other);
+  ParameterValues& operator=(ParameterValues&& other) noexcept;
+
+  void set(const std::string& name, ParameterValue value);
+  [[nodiscard]] bool has(const std::string& name) const;
+  /// Throws std::out_of_range where there is none.
+  [[nodiscard]] const ParameterValue& at(const std::string& name) const;
   template <class T>
   [[nodiscard]] const T& get(const std::string& name) const {
-    return std::get<T>(values_.at(name));
+    return std::get<T>(at(name));
   }
   [[nodiscard]] const std::map<std::string, ParameterValue>& entries() const { return values_; }
 

@@ -1,5 +1,5 @@
 /// An account of energy over steps: what loads and constraints put in, what damping took, and what
-/// is left over.
+/// remains.
 #pragma once
 
 #include <memory>
@@ -23,13 +23,13 @@ struct EnergyFigures {
   [[nodiscard]] double scale() const;
 };
 
-/// Forces, damping among them, count by the mean of both ends of a step, times the way in between:
-/// exact where they change linearly along it. Where loads or supports are not smooth in time within
-/// a step, its parts count one by one, and a load that jumps at the end of one counts before the
-/// jump for that one and after it for the next. What prescribed components are pushed by is what is
-/// missing in the equation of motion there, m a = f + damping + reaction. Its inertia counts by the
-/// mean velocity of the step instead, m (v⁺ − v) · (v + v⁺)/2: that is the change of kinetic energy
-/// exactly, also where a prescribed velocity jumps.
+/// Forces, damping among them, count by the mean of both ends of a step, times the displacement in
+/// between: exact where they change linearly along it. Where loads or supports are not smooth in
+/// time within a step, its parts count one by one, and a load that jumps at the end of one counts
+/// before the jump for that one and after it for the next. What prescribed components are pushed by
+/// is what is missing in the equation of motion there, m a = f + damping + reaction. Its inertia
+/// counts by the mean velocity of the step instead, m (v⁺ − v) · (v + v⁺)/2: that is the change of
+/// kinetic energy exactly, also where a prescribed velocity jumps.
 class DEFORM_API EnergyAccount {
  public:
   explicit EnergyAccount(const System& system);

@@ -44,10 +44,10 @@ struct Moment {
 /// Reads trajectory.bin of a run directory; frames are read when they are asked for.
 ///
 /// The file, little-endian: the line "deform trajectory 1", the length of what follows up to the
-/// mesh (8 bytes), JSON with the numbers of nodes, faces and corners, `size` and `fields`; the
-/// mesh: parameters (all a1, all a2), areas, the faces' `begin` and `nodes` (int32); then the
-/// frames: step (int64), time, positions (all x, all y, all z; doubles), and a float a node for
-/// each field.
+/// mesh (8 bytes), JSON with the numbers of nodes, faces and corners, `size` and `fields`, and of
+/// scalar unknowns where there are any (`scalars`); the mesh: parameters (all a1, all a2), areas,
+/// the faces' `begin` and `nodes` (int32); then the frames: step (int64), time, positions (all x,
+/// all y, all z; doubles), a float a node for each field, and a double for each scalar unknown.
 class DEFORM_API Trajectory {
  public:
   /// Throws InputError naming the file and the reason when it is not there or not a trajectory: a
@@ -62,6 +62,8 @@ class DEFORM_API Trajectory {
   [[nodiscard]] std::size_t frames() const { return moments_.size(); }
   /// (N × 3) [m], finite. Throws InputError when the file cannot be read any more or is damaged.
   [[nodiscard]] NodeVectors positions(std::size_t frame) const;
+  /// (S) the model's scalar unknowns (System::scalars); finite.
+  [[nodiscard]] NodeValues scalars(std::size_t frame) const;
   /// (N) in the field's unit; not finite where there is no figure.
   [[nodiscard]] std::vector<float> field(std::size_t frame, std::size_t field) const;
 
@@ -71,6 +73,8 @@ class DEFORM_API Trajectory {
   void check_mesh() const;
   void find_moments();
   [[nodiscard]] std::size_t place_of(std::size_t frame) const;
+  void read_finite(std::size_t frame, std::size_t offset, double* to, std::size_t count,
+                   const char* what) const;
   void read(std::size_t at, void* to, std::size_t bytes) const;
   [[nodiscard]] std::size_t nodes() const { return static_cast<std::size_t>(mesh_.areas.size()); }
   [[nodiscard]] std::size_t frame_bytes() const;
@@ -79,6 +83,7 @@ class DEFORM_API Trajectory {
   mutable std::ifstream file_;
   TrajectoryMesh mesh_;
   std::vector<TrajectoryField> fields_;
+  std::size_t scalars_ = 0;
   std::vector<Moment> moments_;
   std::uintmax_t bytes_ = 0;     // of the file
   std::size_t first_frame_ = 0;  // bytes before it

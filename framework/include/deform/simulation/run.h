@@ -10,6 +10,7 @@
 #include "deform/error.h"
 #include "deform/export.h"
 #include "deform/simulation/simulation.h"
+#include "deform/solve/step_times.h"
 
 namespace deform {
 

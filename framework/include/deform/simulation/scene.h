@@ -66,7 +66,7 @@ struct DEFORM_API Scene {
   double duration = 0;                ///< [s]
   std::vector<ShadowUse> shadows;     ///< of each estimator, one a term that takes one
   InitialVelocity velocity;           ///< of every free component
-  double max_distance = 10;           ///< diverged beyond it, in sizes of the surface
+  double max_distance = 10;           ///< diverged beyond it, in characteristic lengths
   long checkpoint_every = 0;          ///< steps between checkpoints; 0: not by steps
   double checkpoint_seconds = 30;     ///< time between checkpoints [s]; 0: not by time
   bool frames_written = true;         ///< whether there is a trajectory.bin

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "deform/export.h"
 #include "deform/types.h"
 
 namespace deform {
@@ -21,7 +22,7 @@ struct BlockRows {
 
 /// Symmetric (3N × 3N), upper half: the columns of row a are ≥ a, ascending, its diagonal block
 /// first; 9 numbers a block, row-major.
-struct BlockMatrix {
+struct DEFORM_API BlockMatrix {
   Index nodes = 0;
   std::vector<std::int32_t> row_begin{0};  ///< (N + 1), in blocks
   std::vector<std::int32_t> column;
@@ -46,18 +47,7 @@ struct BlockMatrix {
   }
 
   /// y = A x for x (N × 3).
-  void multiply(const NodeVectors& x, NodeVectors& y) const {
-    y.setZero(nodes, 3);
-    for (Index a = 0; a < nodes; ++a)
-      for (std::int32_t p = row_begin[static_cast<std::size_t>(a)];
-           p < row_begin[static_cast<std::size_t>(a) + 1]; ++p) {
-        const Index b = column[static_cast<std::size_t>(p)];
-        const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(
-            value.data() + 9 * static_cast<std::size_t>(p));
-        y.row(a) += (block * x.row(b).transpose()).transpose();
-        if (b != a) y.row(b) += (block.transpose() * x.row(a).transpose()).transpose();
-      }
-  }
+  void multiply(const NodeVectors& x, NodeVectors& y) const;
 };
 
 }  // namespace deform

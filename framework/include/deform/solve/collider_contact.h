@@ -41,11 +41,11 @@ class Mobility;
 /// Keeps nodes outside of bodies. A step that ends with a node inside is amended: the node goes to
 /// the nearest point of the body, and what it moved along the body's surface within the step is
 /// shortened by at most friction × how far it was pushed. That is Coulomb's law: what the body's
-/// push changes of the way along the normal, friction changes by at most so many times that of the
-/// way across. For the velocity the same law holds by itself, whichever way a method makes
+/// push changes of the motion along the normal, friction changes by at most so many times that of
+/// the motion across. For the velocity the same law holds by itself, however a method makes
 /// positions of velocities: contact is inelastic.
 ///
-/// A node whose way through the step leads into a body on another side than the one where it is
+/// A node whose path through the step leads into a body on another side than the one where it is
 /// nearest to the surface in the end, or right through a part of it, is stopped where it came in.
 ///
 /// Nodes move as far as constraints leave them free; those that are held along a body's normal

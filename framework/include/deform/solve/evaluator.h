@@ -16,7 +16,7 @@ class Assembly;
 /// Everything here depends on its arguments alone; results are the caller's. `strains`: null for
 /// those of the state. Not thread-safe: it works in parallel itself, and keeps the geometry of the
 /// states that it saw last. All throw NotFinite where some part gives a number that is not finite,
-/// naming it, and Error (interrupted) where the step is to be given up (System::stop_when).
+/// naming it, and Error (interrupted) where the step is to be given up (Simulation::stop_when).
 class DEFORM_API Evaluator {
  public:
   explicit Evaluator(Assembly& assembly) : assembly_(&assembly) {}

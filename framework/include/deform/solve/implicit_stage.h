@@ -42,8 +42,9 @@ struct Stage {
 struct StageSettings {
   double tolerance = 1e-6;       ///< of the residual, relative to the forces at work
   std::int64_t iterations = 50;  ///< of Newton's method, at most
-  /// Error that Newton's method may leave, root mean square over the mass, in sizes of the surface:
-  /// where its corrections shrink fast, two or three are enough; 0: `tolerance` alone decides.
+  /// Error that Newton's method may leave, root mean square over the mass, in characteristic
+  /// lengths: where its corrections shrink fast, two or three are enough; 0: `tolerance` alone
+  /// decides.
   double newton_error = 0;
 };
 
@@ -52,13 +53,13 @@ struct StageSettings {
 /// Energies with a potential: Newton's method (Newton) on Φ, with the exact tangent while that is
 /// positive definite, else the projected one, along paths that rotate parts of the surface by
 /// finite angles (Path). Forces without a potential (drag, damping of materials, followers) count
-/// by their work on the way, with the symmetric part of their tangent; where that converges slowly
-/// close to a solution, with the Jacobian of all forces. Colliders act by an augmented Lagrangian:
-/// normal forces and friction (Coulomb's law, sticking included) are multipliers that are updated
-/// until they hold.
+/// by their work along the path, with the symmetric part of their tangent; where that converges
+/// slowly close to a solution, with the Jacobian of all forces. Colliders act by an augmented
+/// Lagrangian: normal forces and friction (Coulomb's law, sticking included) are multipliers that
+/// are updated until they hold.
 ///
 /// With `newton_error`, and without colliders, it first tries to do without Φ, by corrections alone
-/// that contract; the way with Φ may end so, too, where that falls.
+/// that contract; the search with Φ may end so, too, where that falls.
 ///
 /// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
 /// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;

@@ -52,7 +52,7 @@ struct ModelParts {
   std::vector<Body> bodies;
   /// Components that different constraints hold need a matrix, and so a solver, each.
   MakeSolvers make_solvers;
-  /// Of all energy terms, in their order: a System collects them.
+  /// Of the surface, then of all energy terms in their order: a System collects them.
   std::vector<ScalarUnknown> scalars;
 };
 

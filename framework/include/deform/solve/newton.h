@@ -68,9 +68,9 @@ class DEFORM_API Objective {
   [[nodiscard]] virtual bool accept(State& state, Tangent& kind, double norm, Ending ending);
   /// Whether `accept` never changes F.
   [[nodiscard]] virtual bool is_fixed() const { return true; }
-  /// Whether the merit can fall on and on along a way that leads round.
+  /// Whether the merit can fall on and on along a path that leads round.
   [[nodiscard]] virtual bool may_go_round() const { return false; }
-  /// Where the merit depends on the way that was taken (work of forces without a potential): keeps
+  /// Where the merit depends on the path that was taken (work of forces without a potential): keeps
   /// how it was taken to this state, to return to it.
   virtual void mark() {}
   virtual void return_to_mark() {}

@@ -1,4 +1,4 @@
-/// What a step took: for logs, probes and the run's account of time.
+/// What an iterative integrator's step took: for logs and probes.
 #pragma once
 
 #include <vector>
@@ -18,12 +18,6 @@ struct StepReport {
   /// Change of the incremental potential over the last substep [J]: never positive; not a number
   /// where some force has no potential.
   double potential_change = 0;
-};
-
-/// Seconds spent, by part of a step.
-struct StepTimes {
-  double geometry = 0, assembly = 0, factorisation = 0, solve = 0, output = 0;
-  long steps = 0;
 };
 
 }  // namespace deform

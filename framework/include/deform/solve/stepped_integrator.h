@@ -16,13 +16,14 @@ class Headway;
 /// Parameters that every such integrator has; a plugin's own derive from it and call
 /// `StepControl::declare(d)` in their `declare`.
 struct StepControl {
-  double error = 0;                 ///< of one step, in sizes of the surface; 0: steps are fixed
+  double error = 0;                 ///< of one step, in characteristic lengths; 0: steps are fixed
   double largest_step = kInfinity;  ///< [s]
 
   template <class Parameters>
   static void declare(Declaration<Parameters>& d) {
     d("error", &StepControl::error, "1",
-      "local error that a step may have: root mean square over the mass, in sizes of the surface; "
+      "local error that a step may have: root mean square over the mass, in characteristic "
+      "lengths; "
       "0: every step is the scene's")
         .at_least(0);
     d("largest_step", &StepControl::largest_step, "s",

@@ -2,7 +2,6 @@
 /// a model.
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -62,22 +61,15 @@ class DEFORM_API System {
   /// Says that a step starts here: its report is emptied, and what iterative solvers keep is made
   /// anew.
   void begin_step();
-  /// From now on whatever evaluates, factorises or solves throws Error with ExitCode::interrupted
-  /// as soon as `stop` is true: an integrator's step ends there, whatever the integrator. What a
-  /// step has made until then is to be thrown away. Null: nothing stops them.
-  void stop_when(const std::atomic<bool>* stop);
   /// Emptied by begin_step; integrators write it.
   [[nodiscard]] StepReport& step_report();
   [[nodiscard]] const StepReport& step_report() const;
-  /// Of all that was evaluated and solved; whoever reads them may set them back.
-  [[nodiscard]] StepTimes& times() const;
   /// Why the linear solver in use is the one in use.
   [[nodiscard]] const std::string& solver_choice() const;
 
-  /// What the framework reads.
-  [[nodiscard]] SystemParts& parts() const { return *parts_; }
-
  private:
+  friend class SystemParts;  // what the framework itself reads
+
   std::unique_ptr<SystemParts> parts_;
 };
 

@@ -10,6 +10,7 @@
 #include "deform/plugin/field.h"
 #include "deform/surface/prolongation.h"
 #include "deform/surface/sample_set.h"
+#include "deform/surface/scalar_unknown.h"
 #include "deform/types.h"
 
 namespace deform {
@@ -84,6 +85,10 @@ class DEFORM_API Surface : public Plugin {
   /// The nodes of a part of the boundary ("left", …) with their derivatives, in the order of
   /// `boundary`, for constraints and loads on edges; empty where the surface has none.
   [[nodiscard]] virtual std::vector<EdgeNode> edge(const std::string& /*name*/) const { return {}; }
+
+  /// Scalar unknowns that go with the surface (rotations at its edges, say), which energies on
+  /// tuples may share; fixed for the object's life. Default: none.
+  [[nodiscard]] virtual std::vector<ScalarUnknown> scalars() const;
 
   /// Fewer and fewer nodes for multigrid, from fine to coarse, each with a quarter to a half of
   /// those before, down to a few dozen; empty where the surface has none.

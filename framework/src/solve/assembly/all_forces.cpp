@@ -9,7 +9,7 @@ std::shared_ptr<const StateGeometry> sum_all_forces(Assembly& assembly, const St
                                                     NodeVectors& f) {
   ModelTerms& terms = assembly.terms;
   terms.meter().require_going_on();
-  const Stopwatch watch(terms.meter().times.assembly, "geometry, stress and force");
+  const Stopwatch watch(&StepTimes::assembly, "geometry, stress and force");
   auto now = terms.evaluate(state.r, strains, part);
   terms.evaluate_tuples(state.r, strains);
   f.setZero(state.r.rows(), 3);

@@ -36,7 +36,7 @@ Geometries MaterialDamping::since_begun(std::size_t set, const StateGeometry& no
 const BlockMatrix& MaterialDamping::matrix(const StateGeometry& now, Strains* strains) {
   const long version = strains == nullptr ? 0 : strains->version;
   if (at_.rows() == now.r.rows() && at_ == now.r && of_strains_ == version) return matrix_;
-  const Stopwatch watch(terms_->meter().times.assembly, "tangent of damping");
+  const Stopwatch watch(&StepTimes::assembly, "tangent of damping");
   if (matrix_.nodes == 0) {
     matrix_ = tangents_->pattern();
     matrix_.value.resize(9 * matrix_.column.size());

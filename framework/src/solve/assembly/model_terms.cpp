@@ -72,10 +72,11 @@ Index ModelTerms::scalars_before(std::size_t number) const {
 }
 
 void ModelTerms::make_tuples() {
+  const Index shared = nodes() + std::ssize(parts_->surface->scalars());
   for (std::size_t t = 0; t < parts_->energies.size(); ++t)
     if (const auto term = std::dynamic_pointer_cast<const TupleTerm>(energy(t).object))
       tuples_.emplace_back(t, energy(t).origin, term, traits_[t],
-                           TupleAssembler::Rows{nodes(), rows(), scalars_before(t)});
+                           TupleAssembler::Rows{nodes(), shared, rows(), scalars_before(t)});
 }
 
 void ModelTerms::make_lagged_pattern() {
@@ -120,7 +121,7 @@ void ModelTerms::keep(const std::shared_ptr<StateGeometry>& geometry, const Node
 
 std::shared_ptr<StateGeometry> ModelTerms::known_or_new(const NodeVectors& r) {
   if (std::shared_ptr<StateGeometry> known = cache_.find(r)) return known;
-  const Stopwatch watch(meter_->times.geometry, "geometry");
+  const Stopwatch watch(&StepTimes::geometry, "geometry");
   std::shared_ptr<StateGeometry> geometry = room();
   for (std::size_t i = 0; i < sets_.size(); ++i) sets_[i].compute(geometry->of_set[i], r);
   keep(geometry, r);

@@ -22,7 +22,7 @@ void make_room(const std::vector<SetTerms>& sets, std::vector<Geometry>& geometr
 
 void StepStrains::Impl::update_mean(const StateGeometry& middle) {
   if (middle_r.rows() == middle.r.rows() && middle_r == middle.r) return;
-  const Stopwatch watch(terms->meter().times.geometry, "geometry of a step");
+  const Stopwatch watch(&StepTimes::geometry, "geometry of a step");
   to_r = 2 * middle.r - from_r;
   for (std::size_t i = 0; i < terms->sets().size(); ++i) {
     terms->sets()[i].compute(to[i], to_r);

@@ -25,7 +25,8 @@ TupleAssembler::TupleAssembler(std::size_t number, std::string origin,
     width_ = term_->width(), tuples_ = term_->tuples();
     scalars_ = std::ssize(term_->scalars());
   });
-  check_tuples(rows.nodes + scalars_);
+  check_tuples(rows.shared + scalars_);
+  names_scalars_ = std::ranges::any_of(tuples_, [&](std::int32_t n) { return n >= rows.nodes; });
   number_scalars(rows);
   k_.resize(tuples_.size() * static_cast<std::size_t>(width_));
   force_.resize(tuples_.size());
@@ -42,7 +43,7 @@ TupleAssembler::TupleAssembler(std::size_t number, std::string origin,
 /// The term counts its own; the model all.
 void TupleAssembler::number_scalars(const Rows& rows) {
   for (std::int32_t& n : tuples_)
-    if (n >= rows.nodes) n += static_cast<std::int32_t>(rows.before);
+    if (n >= rows.shared) n += static_cast<std::int32_t>(rows.before);
 }
 
 void TupleAssembler::check_tuples(Index nodes) const {

@@ -12,16 +12,17 @@ namespace deform {
 
 class TupleAssembler {
  public:
-  /// Of a model's unknowns: nodes, and scalars behind them, of which so many are of terms before.
+  /// Of a model's unknowns: nodes; these and the surface's scalars behind them, which terms share;
+  /// all; and how many scalars terms before this one have.
   struct Rows {
-    Index nodes, all, before;
+    Index nodes, shared, all, before;
   };
   TupleAssembler(std::size_t number, std::string origin, std::shared_ptr<const TupleTerm> term,
                  const TermTraits& traits, const Rows& rows);
   /// How many the term has of its own.
   [[nodiscard]] Index scalars() const { return scalars_; }
   /// Whether its energy can be averaged over a step: distances of nodes say nothing of scalars.
-  [[nodiscard]] bool averages() const { return has_potential() && scalars_ == 0; }
+  [[nodiscard]] bool averages() const { return has_potential() && !names_scalars_; }
 
   [[nodiscard]] std::size_t number() const { return number_; }
   enum class Part { stress, constant };
@@ -78,6 +79,7 @@ class TupleAssembler {
   TermTraits traits_;
   int width_ = 0;
   Index scalars_ = 0;
+  bool names_scalars_ = false;
   std::vector<std::int32_t> tuples_;  // (T × width), a copy: as checked, whatever the term does
   std::vector<double> k_;             // (T × width × width)
   std::vector<Vec3> force_;           // (T × width), of the last evaluation

@@ -22,14 +22,14 @@ namespace {
 /// Out of one body a node may come into another one; in a corner of two it takes a few turns, and
 /// so it does where a node that is tied moves others.
 constexpr int kMostRounds = 8;
-/// A way this short, relative to coordinates, is rounding.
-constexpr double kNoWay = 1e-12;
-/// What begins behind a tangent plane by less than this part of its way begins on it.
+/// A path this short, relative to coordinates, is rounding.
+constexpr double kNoPath = 1e-12;
+/// What begins behind a tangent plane by less than this part of its path begins on it.
 constexpr double kOnPlane = 1e-9;
 /// Cosine of the angle between normals of the same side of a body: less than that, and a node has
 /// come in on another side than the nearest.
 constexpr double kSameSide = 0.5;
-/// What ends farther outside of a body than this part of its way does not slide along it.
+/// What ends farther outside of a body than this part of its path does not slide along it.
 constexpr double kSlides = 1e-3;
 
 /// Whether a node follows others.
@@ -61,13 +61,13 @@ struct ColliderContact::Impl {
   /// Distances of points to one body and the normals there; refuses what is not finite.
   void measure(const Body& body, double time, const NodeVectors& points, NodeValues& distance,
                NodeVectors& normal) const;
-  /// Of ways from → to, at whose ends distances and normals are known: where those come in that
+  /// Of paths from → to, at whose ends distances and normals are known: where those come in that
   /// have crossed the body, or its side. The body is where it is at that time.
   [[nodiscard]] std::vector<EntryPlane> crossings(const Body& body, double time,
                                                   const NodeVectors& from, const NodeVectors& to,
                                                   const NodeValues& distance,
                                                   const NodeVectors& normal) const;
-  /// Whether a way may lead through a body that its end is `gap` away from.
+  /// Whether a path may lead through a body that its end is `gap` away from.
   [[nodiscard]] bool may_cross(const Body& body, Index node, const Vec3& from, const Vec3& to,
                                double gap, const Vec3& normal) const;
   /// Gap and normal of each movable node, in turn, that is nearer to a body than `within`.
@@ -112,8 +112,8 @@ bool ColliderContact::Impl::may_cross(const Body& body, Index node, const Vec3& 
                                       const Vec3& to, double gap, const Vec3& normal) const {
   const double square = (to - from).squaredNorm();
   if ((gap > 0 && gap * gap >= square) || mobility.is_held(node)) return false;
-  if (!(square > kNoWay * kNoWay * to.squaredNorm())) return false;
-  // A convex body lies behind its tangent plane: a way that begins before it does not enter but
+  if (!(square > kNoPath * kNoPath * to.squaredNorm())) return false;
+  // A convex body lies behind its tangent plane: a path that begins before it does not enter but
   // where it ends.
   const bool convex = is_convex[static_cast<std::size_t>(&body - bodies.data())];
   return !convex || normal.dot(from - to) + gap < -kOnPlane * std::sqrt(square);

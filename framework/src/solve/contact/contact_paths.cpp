@@ -61,10 +61,10 @@ Look advance(Path& path, double gap, const Vec3& normal, bool is_convex) {
 std::vector<Path> paths_of(const NodeVectors& from, const NodeVectors& to) {
   std::vector<Path> paths;
   for (Index i = 0; i < from.rows(); ++i) {
-    const Vec3 way = (to.row(i) - from.row(i)).transpose();
-    const double length = way.norm();
+    const Vec3 along = (to.row(i) - from.row(i)).transpose();
+    const double length = along.norm();
     if (length > 0 && std::isfinite(length))
-      paths.push_back({i, from.row(i).transpose(), way / length, length});
+      paths.push_back({i, from.row(i).transpose(), along / length, length});
   }
   return paths;
 }

@@ -25,7 +25,7 @@ struct PathBody {
 /// Of straight paths (M × 3 [m] each end), those that come into a body, by path, with the tangent
 /// plane where they first do; what is inside at the start and moves inwards comes in there.
 ///
-/// A gap grows by no more than the way, so a node may go as far as its gap before it looks again
+/// A gap grows by no more than the path, so a node may go as far as its gap before it looks again
 /// (sphere tracing: Hart 1996; conservative advancement: Mirtich 1996). Where a body is convex, so
 /// is its distance, and Newton's steps along the path never go beyond the first entry. Along the
 /// surface of any other body no step is shorter than a part of the path, and what comes in on such

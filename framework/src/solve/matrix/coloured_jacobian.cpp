@@ -6,7 +6,6 @@
 #include "deform/geometry/characteristic_length.h"
 
 #include "no_solver.h"
-#include "not_finite.h"
 #include "solve/assembly/pattern.h"
 
 namespace deform {
@@ -23,8 +22,6 @@ ColouredJacobian::ColouredJacobian(const ReductionMap& map,
     : map_(&map), unknowns_(map, held), source_(std::move(solvers)) {
   make_pattern(dependence);
   make_colours();
-  rhs_.resize(unknowns_.size(), 1);
-  solution_.resize(unknowns_.size(), 1);
 }
 
 /// Row p, column q where the reduced force on p depends on q, through ties on either side; made
@@ -121,14 +118,7 @@ std::string ColouredJacobian::factor(const NodeValues& d) {
 }
 
 std::string ColouredJacobian::solve(const NodeVectors& b, NodeVectors& x) {
-  rhs_.col(0) = unknowns_.reduced(b);
-  std::string reason = solvers_->solve(rhs_, solution_);
-  if (!reason.empty()) return reason;
-  if (const Index q = first_not_finite(solution_); q >= 0 && rhs_.allFinite())
-    throw NotFinite("the solution of " + solvers_->in_use().origin + " is not finite",
-                    unknowns_[q].node, solvers_->in_use().name);
-  x = unknowns_.expanded(solution_.col(0));
-  return "";
+  return solvers_->solve(unknowns_, b, x);
 }
 
 }  // namespace deform

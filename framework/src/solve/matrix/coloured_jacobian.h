@@ -43,7 +43,6 @@ class ColouredJacobian {
   std::vector<std::vector<Index>> colours_;  // unknowns
   std::optional<SolverQueue> solvers_;
   std::string choice_;
-  Eigen::MatrixXd rhs_, solution_;
 };
 
 }  // namespace deform

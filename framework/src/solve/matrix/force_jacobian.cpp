@@ -55,12 +55,12 @@ struct ForceJacobian::Impl {
 };
 
 ForceJacobian::ForceJacobian(const System& system, const std::vector<Freedom>& held)
-    : impl_(std::make_unique<Impl>(system.parts(), held)) {}
+    : impl_(std::make_unique<Impl>(SystemParts::of(system), held)) {}
 ForceJacobian::~ForceJacobian() = default;
 
 void ForceJacobian::evaluate(const State& state, double rate, const StepStrains* strains) {
   Impl& i = *impl_;
-  const Stopwatch watch(i.parts->meter.times.assembly, "Jacobian");
+  const Stopwatch watch(&StepTimes::assembly, "Jacobian");
   i.moved = state;
   i.jacobian.differentiate(state.r, [&](const NodeVectors& r) -> const NodeVectors& {
     i.moved.r = r;
@@ -73,7 +73,7 @@ void ForceJacobian::evaluate(const State& state, double rate, const StepStrains*
 std::string ForceJacobian::factor(const NodeValues& d) {
   Impl& i = *impl_;
   i.parts->meter.require_going_on();
-  const Stopwatch watch(i.parts->meter.times.factorisation, "factorisation");
+  const Stopwatch watch(&StepTimes::factorisation, "factorisation");
   std::string reason = i.jacobian.factor(d);
   i.parts->meter.choose(WorkMeter::Matrix::jacobian, i.jacobian.choice());
   return reason;
@@ -83,7 +83,7 @@ std::string ForceJacobian::solve(const NodeVectors& b, NodeVectors& x) {
   Impl& i = *impl_;
   i.parts->meter.require_going_on();
   require_finite(b, "the right-hand side", "the integrator", "");
-  const Stopwatch watch(i.parts->meter.times.solve, "solve");
+  const Stopwatch watch(&StepTimes::solve, "solve");
   return i.jacobian.solve(b, x);
 }
 

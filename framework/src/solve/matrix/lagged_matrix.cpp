@@ -41,7 +41,8 @@ struct LaggedMatrix::Impl {
   std::optional<ReducedSolver> solver;
 };
 
-LaggedMatrix::LaggedMatrix(const System& system) : impl_(std::make_unique<Impl>(system.parts())) {}
+LaggedMatrix::LaggedMatrix(const System& system)
+    : impl_(std::make_unique<Impl>(SystemParts::of(system))) {}
 LaggedMatrix::~LaggedMatrix() = default;
 const NodeValues& LaggedMatrix::force_damping() const { return impl_->damping; }
 const SparseMatrix& LaggedMatrix::matrix() const { return impl_->k; }
@@ -68,7 +69,7 @@ void LaggedMatrix::evaluate(const State& state, NodeVectors& f) {
   const auto now =
       sum_all_forces(assembly, state, nullptr, JetAssembler::Part::stress_and_couplings, f);
   if (!f.allFinite()) throw_force_not_finite(assembly, state, f);
-  const Stopwatch watch(i.parts->meter.times.assembly, "lagged operator");
+  const Stopwatch watch(&StepTimes::assembly, "lagged operator");
   std::ranges::fill(i.k.value, 0.0);
   for (const SetTerms& set : assembly.terms.sets()) set.assembler.add_operator(i.k);
   for (const TupleAssembler& t : assembly.terms.tuples()) t.add_operator(i.k);
@@ -116,7 +117,7 @@ void LaggedMatrix::solve(const NodeValues& d, const NodeVectors& b, NodeVectors&
   require_finite(b, "the right-hand side", "the integrator", "");
   choose_solver();
   if (i.version <= kLooked) i.require_promised_symmetry();
-  i.solver->solve(i.k, i.version, d, b, x, tolerance, i.parts->meter.times);
+  i.solver->solve(i.k, i.version, d, b, x, tolerance);
 }
 
 }  // namespace deform

@@ -60,7 +60,8 @@ struct NewtonMatrix::Impl {
   long step = -1;  // in which an iterative solver was last prepared: it takes nothing from earlier
 };
 
-NewtonMatrix::NewtonMatrix(const System& system) : impl_(std::make_unique<Impl>(system.parts())) {}
+NewtonMatrix::NewtonMatrix(const System& system)
+    : impl_(std::make_unique<Impl>(SystemParts::of(system))) {}
 NewtonMatrix::~NewtonMatrix() = default;
 
 /// Whether a tangent has more than what terms on jets and diagonals give.
@@ -127,7 +128,7 @@ void NewtonMatrix::evaluate(const State& state, const TangentRequest& request) {
   Impl& i = *impl_;
   ModelTerms& terms = i.parts->assembly.terms;
   i.meter().require_going_on();
-  const Stopwatch watch(i.meter().times.assembly, "tangent");
+  const Stopwatch watch(&StepTimes::assembly, "tangent");
   Strains* const strains = impl_of(request.strains);
   const auto now = terms.geometry_at(state.r);
   if (averages(strains)) strains->update_mean(*now);
@@ -181,7 +182,7 @@ NodeValues NewtonMatrix::mean_stiffness() {
 std::string NewtonMatrix::factor(const NodeValues& d) {
   impl_->meter().require_going_on();
   require_finite(d, "what is added to the tangent", "the integrator", "");
-  const Stopwatch watch(impl_->meter().times.factorisation, "factorisation");
+  const Stopwatch watch(&StepTimes::factorisation, "factorisation");
   std::string reason = impl_->made_solver().factor(d);
   impl_->report_choice();
   return reason;
@@ -190,7 +191,7 @@ std::string NewtonMatrix::factor(const NodeValues& d) {
 std::string NewtonMatrix::solve(const NodeVectors& b, NodeVectors& x) {
   impl_->meter().require_going_on();
   require_finite(b, "the right-hand side", "the integrator", "");
-  const Stopwatch watch(impl_->meter().times.solve, "solve");
+  const Stopwatch watch(&StepTimes::solve, "solve");
   return impl_->solver->solve(b, x);
 }
 
@@ -202,7 +203,7 @@ std::string NewtonMatrix::solve_to(double tolerance, const NodeValues& d, const 
   TangentSolver& solver = i.made_solver();
   std::string reason;
   {
-    const Stopwatch watch(i.meter().times.factorisation, "preparing the solver");
+    const Stopwatch watch(&StepTimes::factorisation, "preparing the solver");
     const bool renews = std::exchange(i.step, i.meter().step) != i.meter().step;
     i.beside_rows = d;
     if (!i.is_whole)
@@ -219,7 +220,7 @@ std::string NewtonMatrix::solve_again(double tolerance, const NodeVectors& b, No
   Impl& i = *impl_;
   i.meter().require_going_on();
   require_finite(b, "the right-hand side", "the integrator", "");
-  const Stopwatch watch(i.meter().times.solve, "solve");
+  const Stopwatch watch(&StepTimes::solve, "solve");
   // What is positive semidefinite by construction is not called indefinite for a rounding.
   const bool must_be_definite = is_semidefinite(i.request.kind);
   std::string reason = i.solver->solve_to_tolerance(tolerance, must_be_definite, b, x);

@@ -125,16 +125,15 @@ void ReducedSolver::throw_unsolved(const Group& group, const std::string& reason
 }
 
 void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues& d,
-                          const NodeVectors& b, NodeVectors& x, double tolerance,
-                          StepTimes& times) {
+                          const NodeVectors& b, NodeVectors& x, double tolerance) {
   if (version != factored_version_ || d != factored_d_) {
-    const Stopwatch watch(times.factorisation, "factorisation");
+    const Stopwatch watch(&StepTimes::factorisation, "factorisation");
     factored_version_ = -1;
     for (Group& group : groups_) factor(group, k, d);
     factored_version_ = version;
     factored_d_ = d;
   }
-  const Stopwatch watch(times.solve, "solve");
+  const Stopwatch watch(&StepTimes::solve, "solve");
   for (Group& group : groups_)
     for (std::size_t j = 0; j < group.components.size(); ++j)
       for (std::size_t q = 0; q < group.free.size(); ++q) {

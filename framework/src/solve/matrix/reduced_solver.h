@@ -8,7 +8,6 @@
 #include "deform/model/reduction.h"
 #include "deform/solve/model_parts.h"
 #include "deform/solve/sparse_matrix.h"
-#include "deform/solve/step_report.h"
 
 #include "solve/matrix/reduced_matrix.h"
 #include "solve/matrix/solver_queue.h"
@@ -25,7 +24,7 @@ class ReducedSolver {
   /// `version` changes whenever K's values do. Prescribed entries of x are given, the others a
   /// guess (LinearSolver::improve).
   void solve(const SparseMatrix& k, long version, const NodeValues& d, const NodeVectors& b,
-             NodeVectors& x, double tolerance, StepTimes& times);
+             NodeVectors& x, double tolerance);
   [[nodiscard]] const std::string& choice() const { return choice_; }
 
  private:

@@ -5,6 +5,7 @@
 #include "deform/log.h"
 
 #include "no_solver.h"
+#include "not_finite.h"
 #include "plugin/guard.h"
 
 namespace deform {
@@ -80,6 +81,18 @@ void SolverQueue::log_handover(std::size_t from, const std::string& reason) {
 
 std::string SolverQueue::solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x) {
   return solve_by([&](LinearSolver& solver) { solver.solve(b, x); });
+}
+
+std::string SolverQueue::solve(const Unknowns& unknowns, const NodeVectors& b, NodeVectors& x) {
+  rhs_ = unknowns.reduced(b);
+  solution_.resize(rhs_.rows(), 1);
+  std::string reason = solve(rhs_, solution_);
+  if (!reason.empty()) return reason;
+  if (const Index q = first_not_finite(solution_); q >= 0 && rhs_.allFinite())
+    throw NotFinite("the solution of " + in_use().origin + " is not finite", unknowns[q].node,
+                    in_use().name);
+  x = unknowns.expanded(solution_.col(0));
+  return "";
 }
 
 std::string SolverQueue::improve(const Eigen::MatrixXd& b, double tolerance, Eigen::MatrixXd& x) {

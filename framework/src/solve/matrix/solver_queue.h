@@ -8,6 +8,7 @@
 #include "deform/solve/sparse_matrix.h"
 
 #include "solve/matrix/solver_source.h"
+#include "solve/matrix/unknowns.h"
 
 namespace deform {
 
@@ -23,6 +24,9 @@ class SolverQueue {
   [[nodiscard]] std::string factor_definite(const SparseMatrix& a);
   /// "" or why none could.
   [[nodiscard]] std::string solve(const Eigen::MatrixXd& b, Eigen::MatrixXd& x);
+  /// The same for unknowns of fields b and x (N × 3): Tᵀb, T x. Throws NotFinite where a solution
+  /// of finite forces is not finite.
+  [[nodiscard]] std::string solve(const Unknowns& unknowns, const NodeVectors& b, NodeVectors& x);
   /// From a guess, to a tolerance, where the solver can (LinearSolver::improve).
   [[nodiscard]] std::string improve(const Eigen::MatrixXd& b, double tolerance, Eigen::MatrixXd& x);
   [[nodiscard]] const Named<LinearSolver>& in_use() const { return solvers_[in_use_]; }
@@ -43,6 +47,7 @@ class SolverQueue {
   std::vector<bool> analysed_;
   std::size_t in_use_ = 0;
   const SparseMatrix* matrix_ = nullptr;
+  Eigen::MatrixXd rhs_, solution_;  // of fields
   bool must_be_definite_ = false;
 };
 

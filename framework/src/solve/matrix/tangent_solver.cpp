@@ -6,7 +6,6 @@
 #include "deform/log.h"
 #include "deform/parallel.h"
 
-#include "not_finite.h"
 #include "plugin/guard.h"
 #include "profile/profile.h"
 
@@ -49,12 +48,7 @@ const char* why_left(Outcome outcome) {
 TangentSolver::TangentSolver(const ReductionMap& map, const BlockMatrix& pattern,
                              const std::vector<Freedom>& held, const SolverSource& solvers,
                              Whole whole)
-    : unknowns_(map, held),
-      pattern_(&pattern),
-      source_(solvers),
-      whole_(std::move(whole)),
-      rhs_(unknowns_.size(), 1),
-      solution_(unknowns_.size(), 1) {}
+    : unknowns_(map, held), pattern_(&pattern), source_(solvers), whole_(std::move(whole)) {}
 
 const SparseMatrix& TangentSolver::reduced(const NodeValues& d) {
   const Span span("matrix filling");
@@ -147,14 +141,7 @@ std::string TangentSolver::solve_to_tolerance(double tolerance, bool must_be_def
 }
 
 std::string TangentSolver::solve(const NodeVectors& b, NodeVectors& x) {
-  rhs_.col(0) = unknowns_.reduced(b);
-  std::string reason = solvers_->solve(rhs_, solution_);
-  if (!reason.empty()) return reason;
-  if (const Index q = first_not_finite(solution_); q >= 0 && rhs_.allFinite())
-    throw NotFinite("the solution of " + solvers_->in_use().origin + " is not finite",
-                    unknowns_[q].node, solvers_->in_use().name);
-  x = unknowns_.expanded(solution_.col(0));
-  return "";
+  return solvers_->solve(unknowns_, b, x);
 }
 
 }  // namespace deform

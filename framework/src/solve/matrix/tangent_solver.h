@@ -72,7 +72,6 @@ class TangentSolver {
   Whole whole_;
   NodeValues d_;  // that the iterative solver has, in case that it cannot
   long iterations_ = 0;
-  Eigen::MatrixXd rhs_, solution_;
 };
 
 }  // namespace deform

@@ -19,7 +19,7 @@ namespace {
 
 /// Whole Newton steps before a line search is tried.
 constexpr std::int64_t kMostWholeSteps = 25;
-/// No step is longer than so many sizes of the surface.
+/// No step is longer than so many characteristic lengths.
 constexpr double kFarthest = 2;
 /// Forces that differ by less than this factor are of one kind.
 constexpr double kOfTheSameKind = 100;
@@ -216,7 +216,7 @@ bool Equilibrium::Impl::accept(State& state, Tangent& kind, double norm, Ending 
   force = unbalanced(rounding);
   if (!force) return true;
   throw Error(ExitCode::diverged,
-              fmt::format("{}; a force of {:.3g} N is left over", what_is_free(), *force));
+              fmt::format("{}; a force of {:.3g} N is not balanced", what_is_free(), *force));
 }
 
 std::string Equilibrium::Impl::what_is_free() const {

@@ -78,7 +78,7 @@ std::string ImplicitStage::Impl::minimise(System& system, const Stage& stage, St
   std::string reason = newton->solve(objective, newton_settings(), merit, state, report);
   if (!reason.empty()) return reason;
   if (objective.has_potential()) report.potential_change += objective.merit(state);
-  // Without a potential of all forces Φ is another function along each way.
+  // Without a potential of all forces Φ is another function along each path.
   if (objective.has_potential() && !objective.is_gradient()) report.potential_change = std::nan("");
   return "";
 }

@@ -44,7 +44,7 @@ constexpr double kRoundingOfPositions = 1e-13;
 /// steps, and this close to a solution, their whole Jacobian is worth what it costs.
 constexpr std::int64_t kSlow = 10;
 constexpr double kClose = 0.2;
-/// Where a merit may fall on and on along a way that leads round, and after so many steps nothing
+/// Where a merit may fall on and on along a path that leads round, and after so many steps nothing
 /// is close, a shorter time step does better.
 constexpr std::int64_t kMostRoundabout = 12;
 

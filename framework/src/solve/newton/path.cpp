@@ -25,7 +25,7 @@ struct Path::Impl {
 };
 
 Path::Path(const System& system) : impl_(std::make_unique<Impl>()) {
-  impl_->parts = &system.parts();
+  impl_->parts = &SystemParts::of(system);
 }
 Path::~Path() = default;
 

@@ -62,7 +62,7 @@ void StageObjective::begin_path(State& state) {
   path_ = {state.r, system_->evaluator().nonconservative_force(state, strains_), 0};
 }
 
-/// By the trapezoidal rule on the straight way from the last evaluation.
+/// By the trapezoidal rule on the straight path from the last evaluation.
 double StageObjective::work_to(const State& state, const NodeVectors& force) const {
   return 0.5 * (path_.force + force).cwiseProduct(state.r - path_.to).sum();
 }

@@ -14,8 +14,8 @@
 namespace deform {
 
 /// Residual F = f − M (v − v_base)/τ − Γ v with contact forces, tied components transposed (Tᵀ);
-/// merit Φ, the incremental potential, less the work of forces without a potential on the way
-/// taken; or |F| where some energy has no potential.
+/// merit Φ, the incremental potential, less the work of forces without a potential along the
+/// path taken; or |F| where some energy has no potential.
 class StageObjective final : public Objective {
  public:
   /// All must live as long as the stage is solved; contact forces remain from stage to stage.
@@ -28,7 +28,7 @@ class StageObjective final : public Objective {
 
   /// Makes v and the time of a state those of the stage at its r.
   void set_velocity(State& state) const;
-  /// Begins the way along which work is counted.
+  /// Begins the path along which work is counted.
   void begin_path(State& state);
   /// Of the linear solver, since the stage began.
   [[nodiscard]] long solver_iterations() const { return solver_iterations_; }
@@ -61,7 +61,7 @@ class StageObjective final : public Objective {
   [[nodiscard]] const ContactMultipliers& contacts() const { return contacts_; }
 
  private:
-  /// The way that was taken to the last evaluation.
+  /// The path that was taken to the last evaluation.
   struct WorkPath {
     NodeVectors to;     // positions there
     NodeVectors force;  // non-conservative, there

@@ -142,7 +142,7 @@ void SteppedIntegrator::require_representable_error(const System& system,
   if (control_.error < least)
     throw Error(
         ExitCode::diverged,
-        fmt::format("the error allowed, {:g} sizes of the surface, is below the rounding of "
+        fmt::format("the error allowed, {:g} characteristic lengths, is below the rounding of "
                     "positions so far from the origin: {:.2g} at least",
                     control_.error, least));
 }
@@ -153,7 +153,7 @@ void SteppedIntegrator::require_headway(double h, double step) const {
   if (!is_short && headway_->tries() < kMostTries) return;
   throw Error(
       ExitCode::diverged,
-      fmt::format("no step is short enough for the error allowed ({:g} sizes of the surface): "
+      fmt::format("no step is short enough for the error allowed ({:g} characteristic lengths): "
                   "{:.3g} s of {:.3g} s came out of {} tries, the next is one of {:.3g} s. A "
                   "larger 'error', a stiffer method or a shorter 'step' may do",
                   control_.error, std::max(0.0, headway_->gained()), step, headway_->tries(), h));
