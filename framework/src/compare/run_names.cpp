@@ -46,7 +46,7 @@ std::string tail_of(const std::string& pointer, std::size_t count) {
   if (steps.size() > 1 && steps.back() == "plugin") steps.pop_back();
   std::string tail;
   for (std::size_t i = steps.size() - std::min(count, steps.size()); i < steps.size(); ++i)
-    tail += (tail.empty() ? "" : ".") + sanitised(steps[i]);
+    tail += fmt::format("{}{}", tail.empty() ? "" : ".", sanitised(steps[i]));
   return tail;
 }
 
