@@ -27,6 +27,9 @@ class BackwardEuler final : public ImplicitIntegrator {
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
     const double end = from.time + h;
     begin_stage(from, h);
+    // The step is wrong by − h² r̈/2, and differs from this by h² r̈.
+    stage_.prediction = from.r + h * from.v;
+    stage_.error_per_change = 0.5;
     // v⁺ = v + h a, a being about that of the last step.
     last_.extrapolate(from, h, 1.0, to.r);
     system.constraints().prescribe(end, to.r);

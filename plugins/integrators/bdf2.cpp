@@ -102,11 +102,13 @@ class Bdf2 final : public ImplicitIntegrator {
     stage_.s = -earlier;
     stage_.earlier = before_.r;
     order_ = 3;
+    const double C = (1 + omega) * (1 + omega) / (6 * omega * (1 + 2 * omega));
     error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, to.r);
+    stage_.prediction = to.r;
+    stage_.error_per_change = error_.per_change(h, C);
     std::string failure = solve(system, to);
     if (!failure.empty()) return {std::move(failure), {}, false};
     find_contacts(system, from, h, to);
-    const double C = (1 + omega) * (1 + omega) / (6 * omega * (1 + 2 * omega));
     return {"", with_error() ? error_.of(from, to, h, C) : NodeVectors(), true};
   }
 
@@ -147,6 +149,8 @@ class Bdf2 final : public ImplicitIntegrator {
   Attempt euler(System& system, const State& from, double h, State& to) {
     begin_stage(from, h);
     order_ = 2;
+    stage_.prediction = from.r + h * from.v;
+    stage_.error_per_change = 0.5;
     error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, to.r);
     std::string failure = solve(system, to);
     if (!failure.empty()) return {std::move(failure), {}, false};

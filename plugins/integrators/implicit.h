@@ -1,34 +1,51 @@
 /// What the implicit integrators have in common.
 #pragma once
 
+#include <cmath>
+#include <limits>
+
 #include <deform/solve/implicit_stage.h>
 #include <deform/solve/stepped_integrator.h>
 
 namespace deform {
 
 struct ImplicitParameters : StepControl {
-  double tolerance = StageSettings{}.tolerance;
+  static constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
+  /// Part of a step's own error that Newton's method leaves unless the scene says otherwise.
+  static constexpr double kShare = 0.1;
+
+  double tolerance = kNotGiven;
   std::int64_t iterations = StageSettings{}.iterations;
-  double newton_error = StageSettings{}.newton_error;
+  double newton_error = kNotGiven;
 
   template <class Parameters>
   static void declare(Declaration<Parameters>& d) {
     StepControl::declare(d);
     d("tolerance", &ImplicitParameters::tolerance, "1",
-      "of the residual force, relative to the forces at work")
-        .above(0);
+      "of the residual force, relative to the forces at work; 1e-6 when absent, and where "
+      "`newton_error` is absent, too, Newton's method ends before where it leaves less than a "
+      "tenth "
+      "of the step's own error")
+        .above(0)
+        .optional();
     d("iterations", &ImplicitParameters::iterations, "",
       "of Newton's method in a step, at most; then half the step is tried")
         .at_least(1);
     d("newton_error", &ImplicitParameters::newton_error, "1",
-      "of a step, that Newton's method may leave: root mean square over the mass, in sizes of the "
-      "surface, estimated from its corrections; 0: `tolerance` alone decides. 1e-4 takes two or "
-      "three "
-      "a step where motion is resolved")
+      "of a step, that Newton's method may leave: root mean square over the mass, in "
+      "characteristic lengths, estimated from its corrections; 0: `tolerance` alone decides; when "
+      "absent a tenth of the step's own error where no `tolerance` is given, else 0")
         .at_least(0)
-        .at_most(0.1);
+        .at_most(0.1)
+        .optional();
   }
-  [[nodiscard]] StageSettings settings() const { return {tolerance, iterations, newton_error}; }
+  [[nodiscard]] StageSettings settings() const {
+    const bool has_tolerance = !std::isnan(tolerance), has_error = !std::isnan(newton_error);
+    return {.tolerance = has_tolerance ? tolerance : StageSettings{}.tolerance,
+            .iterations = iterations,
+            .newton_error = has_error ? newton_error : 0,
+            .newton_share = has_tolerance || has_error ? 0 : kShare};
+  }
 };
 
 /// An integrator whose step is one stage.
@@ -68,6 +85,7 @@ class ImplicitIntegrator : public SteppedIntegrator {
     stage_.time = from.time + h / 2;
     stage_.by_strains = true;
     stage_.s = 0;
+    stage_.error_per_change = 0;
   }
 
   ImplicitStage newton_;

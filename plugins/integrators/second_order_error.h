@@ -33,13 +33,18 @@ class SecondOrderError {
     r = from.r + h * from.v;
     if (is_known()) r += share * h * h * acceleration_;
   }
+  /// The local error of a method whose result r⁺ is wrong by +C h³ r⃛, by r⁺'s difference from the
+  /// extrapolation with a share of one half; 0 where nothing is known.
+  [[nodiscard]] double per_change(double h, double C) const {
+    const double omega = h / step_;
+    return is_known() ? C / (C + 1.0 / 6 + 1 / (4 * omega)) : 0;
+  }
   /// Local error of a method whose result r⁺ is wrong by +C h³ r⃛; empty where nothing is known.
   [[nodiscard]] NodeVectors of(const State& from, const State& to, double h, double C) const {
     if (!is_known()) return {};
-    const double omega = h / step_;
     NodeVectors guess;
     extrapolate(from, h, kOfSecondOrder, guess);
-    return C / (C + 1.0 / 6 + 1 / (4 * omega)) * (to.r - guess);
+    return per_change(h, C) * (to.r - guess);
   }
 
   void save(Memory& memory) const {

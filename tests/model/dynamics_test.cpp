@@ -453,7 +453,7 @@ TEST(BackwardEuler, TakesAnyStep) {
           {{"/energies/1", fmt::format(R"({{"plugin": "bending_variational", "xi": {}}})", xi)},
            {"/surface/border", "\"one_sided\""},
            {"/duration", std::to_string(5 * step)},
-           integrator("backward_euler", step)});
+           integrator("backward_euler", step, R"(, "tolerance": 1e-6)")});
       while (s.steps() < s.scene().steps()) {
         s.step();
         const StepReport& report = s.system().step_report();

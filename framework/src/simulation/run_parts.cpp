@@ -105,31 +105,11 @@ std::vector<Problem> remarks_on(const Scene& scene) {
   return remarks;
 }
 
-namespace {
-
-/// What the integrator is told to no effect.
-void add_remarks_on_integrator(const Scene& scene, std::vector<Problem>& remarks) {
-  const auto& parameters = scene.integrator().parameters;
-  if (scene.plugins[PluginKind::collider].empty() || parameters == nullptr ||
-      !parameters->has("newton_error"))
-    return;
-  const auto* error = std::get_if<double>(&parameters->at("newton_error"));
-  if (error == nullptr || *error == 0) return;
-  const std::string pointer = scene.integrator().pointer + "/newton_error";
-  remarks.push_back(scene.located(
-      {pointer, fmt::format("at {}: {:g} is of no effect where there are colliders: steps are "
-                            "solved to 'tolerance'",
-                            pointer, *error)}));
-}
-
-}  // namespace
-
 std::vector<Problem> remarks_on(const RunParts& parts) {
   const Scene& scene = parts.simulation->scene();
   std::vector<Problem> remarks = remarks_on(scene);
   for (Problem& remark : constraint_remarks(*parts.simulation))
     remarks.push_back(scene.located(std::move(remark)));
-  add_remarks_on_integrator(scene, remarks);
   if (asked(parts.simulation->integrator(),
             [](const Integrator& i) { return i.lags_coefficients(); }))
     return remarks;

@@ -36,6 +36,10 @@ struct Stage {
   bool averages_strains = false;
   double s = 0;
   NodeVectors earlier{};
+  /// Where the step would end if it went on as before (N × 3) [m], and the error of the time
+  /// stepping in r by its difference from that; 0: unknown.
+  NodeVectors prediction{};
+  double error_per_change = 0;
 };
 
 /// How a stage is solved.
@@ -46,6 +50,9 @@ struct StageSettings {
   /// lengths: where its corrections shrink fast, two or three are enough; 0: `tolerance` alone
   /// decides.
   double newton_error = 0;
+  /// Likewise as a part of the error of the time stepping itself, where the integrator knows that
+  /// (Stage::error_per_change).
+  double newton_share = 0;
 };
 
 /// Solves stages one after another; remembers what the next may profit from.
@@ -76,7 +83,7 @@ class DEFORM_API ImplicitStage {
   /// of no use. Throws NotFinite and what plugins throw. Adds to the system's step report.
   [[nodiscard]] std::string solve(System& system, const Stage& stage, State& state);
 
-  /// Whether a better guess than r + h v is worth while: `newton_error` is set.
+  /// Whether a better guess than r + h v is worth while: corrections end Newton's method.
   [[nodiscard]] bool counts_corrections() const;
 
   /// Nodes in active contact in the last solution, ascending; one that two colliders push is there

@@ -50,24 +50,39 @@ class DEFORM_API Objective {
   /// Φ's change by a unit step in a direction from the last evaluation, to first order [J].
   [[nodiscard]] virtual double slope(const NodeVectors& direction) const = 0;
 
+  /// Puts positions that a path leads to where they may be (outside of bodies). A path's steps are
+  /// judged by the merit there.
+  virtual void confine(State& state);
+  /// Whether the last `evaluate` made the merit another function (of friction where something
+  /// touches for the first time).
+  [[nodiscard]] virtual bool has_changed() const { return false; }
+
   /// How far along a path positions may go at once, 1 being Newton's step: what lies beyond is not
   /// admissible, or not to be trusted. More than 0; infinite where anything goes.
   [[nodiscard]] virtual double step_limit(const Path& path);
   /// Length of the surface [m], and of a displacement (N × 3) as errors are measured [m].
   [[nodiscard]] virtual double characteristic_length() const = 0;
   [[nodiscard]] virtual double length(const NodeVectors& displacement) const;
+  /// A bound of the distance to the solution by what a direction promises of the merit, −slope [J],
+  /// as `length` has it [m]; infinite where there is none.
+  [[nodiscard]] virtual double distance_bound(double promised) const;
+  /// Error that may be left at a state, beside NewtonSettings::error, as `length` has it [m].
+  [[nodiscard]] virtual double error_allowed(const State& state) const;
 
   /// Why Newton's method takes a state for a solution.
   enum class Ending : std::uint8_t {
-    residual,    ///< |F| is within the tolerance
-    no_step,     ///< the last step has moved nothing
-    no_distance  ///< Newton's direction leads nowhere: F is rounding
+    residual,     ///< |F| is within the tolerance
+    no_step,      ///< the last step has moved nothing
+    no_distance,  ///< Newton's direction leads nowhere: F is rounding
+    correction    ///< the last corrections leave less than the error allowed
   };
   /// Whether it is one; where not, F may have become another one (multipliers of contact, supports
   /// that were let go), and the search goes on with it from this state.
   [[nodiscard]] virtual bool accept(State& state, Tangent& kind, double norm, Ending ending);
   /// Whether `accept` never changes F.
   [[nodiscard]] virtual bool is_fixed() const { return true; }
+  /// Whether the merit's second derivatives jump where Newton's steps go (friction's).
+  [[nodiscard]] virtual bool has_kinks() const { return false; }
   /// Whether the merit can fall on and on along a path that leads round.
   [[nodiscard]] virtual bool may_go_round() const { return false; }
   /// Where the merit depends on the path that was taken (work of forces without a potential): keeps

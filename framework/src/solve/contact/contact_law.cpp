@@ -69,6 +69,16 @@ Vec3 Mobility::sliding(Index node, const Vec3& n, const Vec3& motion) const {
   return square > 0 ? Vec3(own - own.dot(m) / square * m) : own;
 }
 
+Vec3 Mobility::motion(Index node, const NodeVectors& field) const {
+  if (kind(node) == kFree) return field.row(node).transpose();
+  Vec3 sum = Vec3::Zero();
+  if (kind(node) == kHeld) return sum;
+  for (int c = 0; c < 3; ++c)
+    for (const Tie::Part& part : of(node).rows[static_cast<std::size_t>(c)])
+      sum[c] += part.coefficient * field(part.of.node, part.of.component);
+  return sum;
+}
+
 void Mobility::add(Index node, const Vec3& impulse, NodeVectors& field) const {
   if (kind(node) == kFree) {
     field.row(node) += impulse.transpose();

@@ -37,6 +37,8 @@ class Mobility {
   }
   /// The largest eigenvalue of R Rᵀ, or 1 if that is more.
   [[nodiscard]] double bound(Index node) const { return kind(node) == kFree ? 1 : of(node).bound; }
+  /// R q: a field's (N × 3) values at the unknowns that a node follows, as the node feels them.
+  [[nodiscard]] Vec3 motion(Index node, const NodeVectors& field) const;
   /// Adds Rᵀ J to a field (N × 3) at the unknowns that a node follows. What is tied to these is
   /// left to `follow`.
   void add(Index node, const Vec3& impulse, NodeVectors& field) const;

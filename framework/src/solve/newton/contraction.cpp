@@ -102,7 +102,9 @@ bool Contraction::contract(Objective& f, const NewtonSettings& settings, Path& p
     path.begin(state.r, direction_, false);
     if (!(f.step_limit(path) >= 1)) return false;
     path.at(1, state.r);
-    if (is_small_enough({theta, forcing(i), correction, norm}, settings.error, f.scale())) {
+    f.confine(state);
+    const double error = std::max(settings.error, f.error_allowed(state));
+    if (is_small_enough({theta, forcing(i), correction, norm}, error, f.scale())) {
       if (i == 0) fade();
       return true;
     }

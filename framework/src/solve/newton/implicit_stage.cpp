@@ -46,8 +46,8 @@ void ImplicitStage::Impl::measure_strains(const System& system, const Stage& sta
 
 /// Without a look at Φ, where that may do.
 bool ImplicitStage::Impl::contract(System& system, State& state) {
-  if (settings.newton_error == 0 || !objective.has_potential() || system.contact().bodies() > 0)
-    return false;
+  const bool by_corrections = settings.newton_error > 0 || objective.error_allowed(state) > 0;
+  if (!by_corrections || !objective.has_potential() || system.contact().bodies() > 0) return false;
   objective.begin_path(state);
   if (!contraction.solve(objective, newton_settings(), *path, state, system.step_report()))
     return false;
@@ -64,9 +64,12 @@ double ImplicitStage::Impl::choose_guess(System& system, const Stage& stage, Sta
     for (Index a = 0; a < begin.r.rows(); ++a)
       if (constraints.reduction().free(a, c)) begin.r(a, c) = stage.start(a, c);
   constraints.follow_ties(begin.r);
+  objective.confine(begin);
+  objective.confine(state);
   objective.begin_path(begin);
   const double at_begin = objective.merit(begin), guessed = objective.merit(state);
   if (!(guessed <= at_begin)) state = begin;
+  objective.begin_contact(state);
   system.step_report().potential_change = objective.has_potential() ? -at_begin : 0;
   objective.begin_path(state);
   return objective.merit(state);
@@ -94,26 +97,28 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
   s.measure_strains(system, stage);
   s.objective.begin(system, stage, s.strains);
   s.objective.set_tolerance(s.settings.tolerance);
+  s.objective.set_share(s.settings.newton_share);
   s.contraction.begin_stage(stage.tau);
   const bool contracts = s.contract(system, state);
   const std::string reason = contracts ? "" : s.minimise(system, stage, state);
   system.step_report().solver_iterations += s.objective.solver_iterations();
   if (!reason.empty()) return reason;
   s.objective.set_velocity(state);
-  if (s.objective.has_contacts()) s.objective.contacts().forget_impacts(stage, system.mass());
+  if (s.objective.has_contacts()) s.objective.contacts().forget_impacts(system.mass());
   return "";
 }
 
 std::vector<Index> ImplicitStage::active_contacts() const {
   return impl_->objective.contacts().active_nodes();
 }
-void ImplicitStage::settle(const System& system, const Stage& stage, double step,
+void ImplicitStage::settle(const System& system, const Stage& /*stage*/, double step,
                            State& end) const {
   if (!impl_->objective.has_contacts()) return;
-  const ContactMultipliers& contacts = impl_->objective.contacts();
-  system.contact().settle(step, contacts.impulses(stage, system.mass()), end);
+  system.contact().settle(step, impl_->objective.contacts().impulses(system.mass()), end);
 }
-bool ImplicitStage::counts_corrections() const { return impl_->settings.newton_error > 0; }
+bool ImplicitStage::counts_corrections() const {
+  return impl_->settings.newton_error > 0 || impl_->settings.newton_share > 0;
+}
 bool ImplicitStage::resolves_contacts() const { return impl_->objective.has_potential(); }
 void ImplicitStage::save(Memory& memory) const {
   impl_->objective.contacts().save(memory);

@@ -32,6 +32,9 @@ constexpr double kShorter = 0.25, kLonger = 4;
 /// No path rotates a part of the surface by more than the first; where not even a rotation as small
 /// as the second helps, a line search does [rad].
 constexpr double kLargestRotation = 1, kSmallestRotation = 0.03;
+/// Of a merit with kinks a step that does not help is halved so often at once, as Newton's steps go
+/// to and fro between both sides of one.
+constexpr int kMostKinks = 3;
 /// How often a step that helped is doubled as long as it helps more.
 constexpr int kMostDoublings = 6;
 /// What a sum of energies may be wrong by, relative.
@@ -52,10 +55,13 @@ constexpr std::int64_t kMostRoundabout = 12;
 
 Objective::~Objective() = default;
 bool Objective::find_full_direction(State& /*state*/, NodeVectors& /*direction*/) { return false; }
+void Objective::confine(State& /*state*/) {}
 double Objective::step_limit(const Path& /*path*/) { return kInfinity; }
 double Objective::length(const NodeVectors& displacement) const {
   return displacement.rowwise().norm().maxCoeff();
 }
+double Objective::distance_bound(double /*promised*/) const { return kInfinity; }
+double Objective::error_allowed(const State& /*state*/) const { return 0; }
 bool Objective::accept(State& /*state*/, Tangent& /*kind*/, double /*norm*/, Ending /*ending*/) {
   return true;
 }
@@ -68,6 +74,8 @@ struct Newton::Impl {
   [[nodiscard]] double evaluate(State& state);
   [[nodiscard]] bool is_converged(State& state, double norm);
   [[nodiscard]] bool accepts(State& state, double norm, Objective::Ending ending);
+  [[nodiscard]] bool leaves_little(const State& state, const Correction& correction) const;
+  [[nodiscard]] bool ends(State& state);
   [[nodiscard]] std::string find_direction(State& state, std::int64_t iteration, double relative);
   [[nodiscard]] std::string why_no_solution(std::int64_t iteration, double relative) const;
   [[nodiscard]] bool may_go_back() const { return is_nonmonotone && patience > 0; }
@@ -76,6 +84,8 @@ struct Newton::Impl {
   [[nodiscard]] std::string search(State& state, double norm, double limit);
   [[nodiscard]] bool search_along(State& state, double norm, double limit);
   double go_farther(double s, double there, double limit, State& state);
+  void move(double s, State& state) const;
+  void begin_anew(State& state);
   void remember(State& state, double merit);
   void go_back(State& state);
   void end_nonmonotone(State& state);
@@ -105,6 +115,7 @@ struct Newton::Impl {
   NodeVectors nearer;  // positions before a step is doubled
   NodeVectors direction;
   double moved = kInfinity;    // the farthest node, in the last step [m]
+  double searched = 0;         // how far along the last path a line search went
   double last_correction = 0;  // 0: none that the next can be compared with
 };
 
@@ -148,11 +159,37 @@ double Newton::Impl::evaluate(State& state) {
 /// Whether the state is a solution; where it is none yet, the search begins again.
 bool Newton::Impl::accepts(State& state, double norm, Objective::Ending ending) {
   if (f->accept(state, kind, norm, ending)) return true;
+  begin_anew(state);
+  before.resize(0, 3);
+  return false;
+}
+
+/// Whether a correction leaves no more than the error allowed: by how corrections shrink, or, where
+/// kinks make them jump, by what it promises of the merit (Newton's decrement: Boyd &
+/// Vandenberghe, chapter 9.5).
+bool Newton::Impl::leaves_little(const State& state, const Correction& correction) const {
+  const double error = std::max(settings.error, f->error_allowed(state));
+  return is_small_enough(correction, error, f->scale()) ||
+         (f->has_kinks() && f->distance_bound(-f->slope(direction)) <= error);
+}
+
+/// Whether the state that the last correction led to is a solution.
+bool Newton::Impl::ends(State& state) {
+  return f->is_fixed() ||
+         accepts(state, f->evaluate_residual(state), Objective::Ending::correction);
+}
+
+/// With another merit, from here.
+void Newton::Impl::begin_anew(State& state) {
   if (f->has_potential() && settings.watches) begun = f->merit(state);
   remember(state, begun);
-  before.resize(0, 3);
   moved = kInfinity;
-  return false;
+}
+
+/// Positions at s of the path, or the nearest where they may be.
+void Newton::Impl::move(double s, State& state) const {
+  path.at(s, state.r);
+  f->confine(state);
 }
 
 /// Whether the residual is small enough; after non-monotone steps the merit must not be larger than
@@ -193,7 +230,7 @@ void Newton::Impl::end_nonmonotone(State& state) {
 double Newton::Impl::go_farther(double s, double there, double limit, State& state) {
   for (int k = 0; kind == Tangent::projected && k < kMostDoublings && 2 * s <= limit; ++k) {
     nearer = state.r;
-    path.at(2 * s, state.r);
+    move(2 * s, state);
     const double farther = f->merit(state);
     if (!(farther < there)) {
       state.r = nearer;
@@ -212,10 +249,14 @@ bool Newton::Impl::take_watched_step(State& state, double limit) {
   const Span span("step along the direction");
   before = state.r;
   if (patience == 0) tried = std::min(rotation, path.angle());
-  const double s = std::min({1.0, limit, rotation / std::max(path.angle(), 1e-300)});
-  path.at(s, state.r);
+  double s = std::min({1.0, limit, rotation / std::max(path.angle(), 1e-300)});
+  move(s, state);
   next = path.is_straight() ? Tangent::mixed : Tangent::exact;
-  const double merit = go_farther(s, f->merit(state), limit, state);
+  double merit = go_farther(s, f->merit(state), limit, state);
+  for (int cut = 0; f->has_kinks() && !(merit < lowest.merit) && cut < kMostKinks; ++cut) {
+    move(s = 0.5 * s, state);
+    merit = f->merit(state);
+  }
   if (merit < lowest.merit) {
     remember(state, merit);
     rotation = std::min(kLargestRotation, kLonger * rotation);
@@ -233,7 +274,7 @@ bool Newton::Impl::take_watched_step(State& state, double limit) {
 bool Newton::Impl::take_whole_step(State& state, double limit) {
   if (kind == Tangent::projected || !(limit >= 1)) return false;
   before = state.r;
-  path.at(1, state.r);
+  move(1, state);
   next = Tangent::mixed;
   ++patience;
   return true;
@@ -246,11 +287,13 @@ bool Newton::Impl::search_along(State& state, double norm, double limit) {
   const double slope = f->has_potential() ? f->slope(direction) : -norm;
   const double rounding = kRoundingOfEnergy * std::abs(at_begin);
   const NodeVectors from = state.r;
+  searched = 0;
   double s = std::min({1.0, limit, kLargestRotation / std::max(path.angle(), 1e-300)});
   for (int cut = 0; cut < kMostCuts; ++cut, s /= 2) {
-    path.at(s, state.r);
+    move(s, state);
     const double there = f->merit(state);
     if (!(there <= at_begin + kArmijo * s * slope + rounding)) continue;
+    searched = s;
     if (cut == 0) (void)go_farther(s, there, limit, state);
     return true;
   }
@@ -267,7 +310,7 @@ std::string Newton::Impl::search(State& state, double norm, double limit) {
   // Close to the end Φ changes by less than its rounding, and where a surface's frame is mixed a
   // force is not quite its gradient: the residual goes on.
   const NodeVectors from = state.r;
-  path.at(std::min(1.0, limit), state.r);
+  move(std::min(1.0, limit), state);
   if (f->evaluate_residual(state) < 0.5 * norm) return "";
   state.r = from;
   if (relative <= kRoundingOfForces) {
@@ -300,6 +343,7 @@ std::string Newton::Impl::iterate(State& state) {
     const Span span("Newton iteration");
     if (is_nonmonotone && i == settings.nonmonotone_steps) end_nonmonotone(state);
     const double norm = evaluate(state);
+    if (f->has_changed()) begin_anew(state);
     if (is_converged(state, norm)) return "";
     if (moved <= still(state) && accepts(state, norm, Objective::Ending::no_step)) return "";
     const double relative = report->residual;
@@ -316,6 +360,7 @@ std::string Newton::Impl::iterate(State& state) {
       if (!settings.watches) end_nonmonotone(state);
       continue;
     }
+    const bool stays_projected = f->has_kinks() && kind == Tangent::projected && relative > kClose;
     path.begin(state.r, direction, settings.rotates && f->has_potential());
     moved = path.length();
     if (moved <= still(state)) {
@@ -329,15 +374,19 @@ std::string Newton::Impl::iterate(State& state) {
     }
     const double correction = f->length(direction);
     const double theta = correction / std::exchange(last_correction, correction);
-    const bool may_end =
-        is_nonmonotone && path.angle() <= rotation && limit >= 1 && f->is_fixed() &&
-        is_small_enough({theta, kForcing, correction, norm}, settings.error, f->scale());
+    const bool may_end = path.angle() <= (is_nonmonotone ? rotation : kLargestRotation) &&
+                         limit >= 1 && leaves_little(state, {theta, kForcing, correction, norm});
     if (is_nonmonotone) {
       const bool is_lowest = take_watched_step(state, limit);
-      if (may_end && is_lowest) return "";
+      if (stays_projected) next = Tangent::projected;
+      if (may_end && is_lowest && ends(state)) return "";
       if (patience == 0 && !is_lowest) last_correction = 0;  // it went back
-    } else if (reason = search(state, norm, limit); !reason.empty()) {
-      return reason;
+    } else {
+      reason = search(state, norm, limit);
+      if (!reason.empty()) return reason;
+      if (stays_projected) next = Tangent::projected;
+      if (may_end && searched >= 1 && f->has_kinks() && ends(state)) return "";
+      if (searched < 1) last_correction = 0;
     }
   }
 }

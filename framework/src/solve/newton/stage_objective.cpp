@@ -10,6 +10,7 @@
 
 #include "not_finite.h"
 #include "profile/profile.h"
+#include "solve/newton/convergence.h"
 #include "solve/newton/descent_direction.h"
 
 namespace deform {
@@ -17,9 +18,11 @@ namespace {
 
 /// Nodes that one task takes.
 constexpr Index kRows = 2048;
-/// Where no step moves anything, contact forces agree if making them the multipliers leaves no more
-/// than so many times the residual.
+/// Where no step moves anything, friction agrees with the normal forces if making it that of these
+/// leaves no more than so many times the residual.
 constexpr double kSameResidual = 2;
+/// Active sets of one direction, at most.
+constexpr int kMostSets = 2;
 
 }  // namespace
 
@@ -27,6 +30,7 @@ void StageObjective::begin(const System& system, const Stage& s, const StepStrai
   if (system_ != &system) {
     matrix_.emplace(system);
     jacobian_.reset();
+    rest_stiffness_.resize(0);
   }
   system_ = &system;
   stage_ = &s;
@@ -34,13 +38,20 @@ void StageObjective::begin(const System& system, const Stage& s, const StepStrai
   has_potential_ = system.evaluator().energies_have_potential();
   has_nonconservative_ = system.evaluator().has_nonconservative_force(strains_);
   with_contacts_ = has_potential_ && system.contact().bodies() > 0;
-  contacts_begun_ = false;
+  has_changed_ = false;
   solver_iterations_ = 0;
   size_ = deform::characteristic_length(system.rest());
   mass_ = system.mass() / (s.tau * s.tau);
   damping_ = system.damping() / s.tau;
   diagonal_ = mass_ + damping_;
   inertial_ = s.r_base + s.tau * s.v_base;
+  if (with_contacts_) {
+    if (rest_stiffness_.size() == 0) {
+      matrix_->evaluate(system.at_rest());
+      rest_stiffness_ = matrix_->mean_stiffness().cwiseMax(0);
+    }
+    contacts_.begin(system.contact(), s, size_, diagonal_ + rest_stiffness_);
+  }
 }
 
 void StageObjective::set_velocity(State& state) const {
@@ -54,6 +65,15 @@ void StageObjective::set_velocity(State& state) const {
 
 double StageObjective::length(const NodeVectors& displacement) const {
   return root_mean_square(displacement, system_->mass());
+}
+
+double StageObjective::distance_bound(double promised) const {
+  return std::sqrt(std::max(promised, 0.0) / mass_.sum());
+}
+
+double StageObjective::error_allowed(const State& state) const {
+  if (share_ == 0 || stage_->error_per_change == 0) return 0;
+  return share_ * stage_->error_per_change * length(state.r - stage_->prediction);
 }
 
 void StageObjective::begin_path(State& state) {
@@ -75,10 +95,7 @@ double StageObjective::incremental_potential(const State& state) {
   }
   const Evaluator& evaluator = system_->evaluator();
   sum += evaluator.potential(state, strains_) + evaluator.damping_potential(state, *strains_);
-  if (contacts_begun_) {
-    contacts_.find(*stage_, state.r);
-    sum += contacts_.potential();
-  }
+  if (with_contacts_) sum += contacts_.dissipation(state.r);
   return sum;
 }
 
@@ -103,13 +120,22 @@ void StageObjective::evaluate_tangent(State& state, Tangent kind, const NodeVect
                             .before = before,
                             .rate = 1 / stage_->tau,
                             .strains = strains_,
-                            .for_directions = !with_contacts_});
+                            .for_directions = !with_contacts_ || !contacts_.any()});
+  contact_tangent_.clear();
+}
+
+/// In place of what the matrix has of it.
+void StageObjective::add_contact_tangent() {
+  for (BlockEntry& e : contact_tangent_) e.block = -e.block;
+  matrix_->add(contact_tangent_);
+  contact_tangent_ = contacts_.tangent();
+  matrix_->add(contact_tangent_);
+}
+
+void StageObjective::begin_contact(State& state) {
   if (!with_contacts_) return;
-  if (!contacts_begun_)
-    contacts_.begin(system_->contact(), diagonal_ + matrix_->mean_stiffness().cwiseMax(0));
-  contacts_begun_ = true;
-  contacts_.find(*stage_, state.r);
-  matrix_->add(contacts_.tangent());
+  (void)evaluate_residual(state);
+  has_changed_ = false;
 }
 
 double StageObjective::evaluate(State& state, Tangent kind, const NodeVectors& before) {
@@ -153,28 +179,33 @@ double StageObjective::residual(const State& state) {
     squares_.col(first / kRows) = find_residual(state, first, size);
   });
   scale_ = std::sqrt(squares_.rowwise().sum().maxCoeff());
-  if (contacts_begun_) contacts_.add_force(residual_);
   system_->constraints().reduce_force(residual_);
+  has_changed_ = with_contacts_ && contacts_.react(state.r, residual_);
   return residual_.norm();
 }
 
 double StageObjective::evaluate_residual(State& state) {
   set_velocity(state);
   system_->evaluator().force(state, force_, strains_);
-  if (contacts_begun_) contacts_.find(*stage_, state.r);
   return residual(state);
 }
 
-/// Where a node turns out to have come through a body, the exact tangent is evaluated anew.
+/// Where a node turns out to have come through a body, it goes on from where it came in.
 bool StageObjective::accept(State& state, Tangent& kind, double norm, Ending ending) {
   if (!with_contacts_) return true;
-  const bool has_new_planes = contacts_.update(*stage_, state.r);
+  const bool has_new_planes = contacts_.update(state.r);
   if (has_new_planes) {
+    contacts_.confine(state.r);
+    set_velocity(state);
     kind = Tangent::exact;
     evaluate_tangent(state, kind, nullptr);
   }
   const double updated = residual(state);
-  const double same = ending == Ending::residual ? 0 : kSameResidual * norm;
+  if (ending == Ending::correction && !has_new_planes &&
+      contacts_.unsettled(mass_) <= error_allowed(state))
+    return true;
+  const double same =
+      ending == Ending::residual || ending == Ending::correction ? 0 : kSameResidual * norm;
   return !has_new_planes && updated <= std::max(tolerance_ * scale_, same);
 }
 
@@ -190,9 +221,38 @@ std::string StageObjective::find_direction(State& state, double tolerance, Tange
     const std::string reason = jacobian().factor(diagonal_);
     return reason.empty() ? jacobian().solve(residual_, direction) : reason;
   }
-  DescentDirection descent{*matrix_, *system_, residual_, diagonal_, tolerance};
-  std::string reason = descent.find(
-      kind, [&] { evaluate_tangent(state, Tangent::projected, nullptr); }, direction);
+  if (!with_contacts_) {
+    target_ = residual_;
+    return find_descent(state, tolerance, kind, direction);
+  }
+  contacts_.begin_direction();
+  std::string reason;
+  for (int set = 0; set < kMostSets; ++set) {
+    add_contact_tangent();
+    target_ = residual_;
+    contacts_.add_targets(target_);
+    reason = find_descent(state, tolerance, kind, direction);
+    if (!reason.empty() || !contacts_.revise(state.r, direction)) break;
+  }
+  if (reason.empty() && !(slope(direction) < 0)) {
+    contacts_.drop_predicted();
+    add_contact_tangent();
+    target_ = residual_;
+    reason = find_descent(state, tolerance, kind, direction);
+  }
+  return reason;
+}
+
+std::string StageObjective::find_descent(State& state, double tolerance, Tangent& kind,
+                                         NodeVectors& direction) {
+  DescentDirection descent{*matrix_, *system_, target_, diagonal_, tolerance};
+  const auto project = [&] {
+    const std::vector<BlockEntry> of_contact = std::move(contact_tangent_);
+    evaluate_tangent(state, Tangent::projected, nullptr);
+    contact_tangent_ = of_contact;
+    matrix_->add(contact_tangent_);
+  };
+  std::string reason = descent.find(kind, project, direction);
   solver_iterations_ += descent.solver_iterations();
   return reason;
 }
@@ -205,7 +265,7 @@ std::string StageObjective::find_direction_again(double tolerance, NodeVectors& 
 
 bool StageObjective::find_full_direction(State& state, NodeVectors& direction) {
   if (is_gradient()) return false;
-  if (contacts_begun_ && !contacts_.active_nodes().empty()) return false;  // not in the Jacobian
+  if (with_contacts_ && contacts_.any()) return false;  // not in the Jacobian
   if (!has_jacobian_solver_) return false;
   try {
     jacobian().evaluate(state, 1 / stage_->tau, strains_);

@@ -3,13 +3,14 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "deform/solve/force_jacobian.h"
 #include "deform/solve/implicit_stage.h"
 #include "deform/solve/newton.h"
 #include "deform/solve/newton_matrix.h"
 
-#include "solve/contact/contact_multipliers.h"
+#include "solve/contact/active_contacts.h"
 
 namespace deform {
 
@@ -18,7 +19,7 @@ namespace deform {
 /// path taken; or |F| where some energy has no potential.
 class StageObjective final : public Objective {
  public:
-  /// All must live as long as the stage is solved; contact forces remain from stage to stage.
+  /// All must live as long as the stage is solved.
   void begin(const System& system, const Stage& stage, const StepStrains& strains);
 
   [[nodiscard]] bool has_potential() const override { return has_potential_; }
@@ -45,9 +46,21 @@ class StageObjective final : public Objective {
     return -residual_.cwiseProduct(direction).sum();
   }
   [[nodiscard]] double characteristic_length() const override { return size_; }
+  /// Part of the step's own error that Newton's method may leave; 0: none.
+  void set_share(double share) { share_ = share; }
+  /// Φ's second derivatives are those of its inertia, M/τ², or more, where forces are stable.
+  [[nodiscard]] double distance_bound(double promised) const override;
+  [[nodiscard]] double error_allowed(const State& state) const override;
   /// Root mean square over the mass.
   [[nodiscard]] double length(const NodeVectors& displacement) const override;
-  /// Makes contact forces those of the last evaluation: whether they are what they must be.
+  [[nodiscard]] bool has_kinks() const override { return with_contacts_ && contacts_.any(); }
+  void confine(State& state) override {
+    if (with_contacts_) contacts_.confine(state.r);
+  }
+  [[nodiscard]] bool has_changed() const override { return has_changed_; }
+  /// Gives friction its limits, as far as a guess tells them.
+  void begin_contact(State& state);
+  /// Makes friction that of the last evaluation's normal forces: whether it is what it must be.
   [[nodiscard]] bool accept(State& state, Tangent& kind, double norm, Ending ending) override;
   [[nodiscard]] bool is_fixed() const override { return !with_contacts_; }
   [[nodiscard]] bool may_go_round() const override {
@@ -57,8 +70,8 @@ class StageObjective final : public Objective {
   void return_to_mark() override { path_ = marked_; }
 
   void set_tolerance(double tolerance) { tolerance_ = tolerance; }
-  [[nodiscard]] ContactMultipliers& contacts() { return contacts_; }
-  [[nodiscard]] const ContactMultipliers& contacts() const { return contacts_; }
+  [[nodiscard]] ActiveContacts& contacts() { return contacts_; }
+  [[nodiscard]] const ActiveContacts& contacts() const { return contacts_; }
 
  private:
   /// The path that was taken to the last evaluation.
@@ -70,6 +83,9 @@ class StageObjective final : public Objective {
   [[nodiscard]] double incremental_potential(const State& state);
   [[nodiscard]] double work_to(const State& state, const NodeVectors& force) const;
   void evaluate_tangent(State& state, Tangent kind, const NodeVectors* before);
+  void add_contact_tangent();
+  [[nodiscard]] std::string find_descent(State& state, double tolerance, Tangent& kind,
+                                         NodeVectors& direction);
   [[nodiscard]] double residual(const State& state);
   [[nodiscard]] Eigen::Array3d find_residual(const State& state, Index first, Index size);
   [[nodiscard]] ForceJacobian& jacobian();
@@ -79,11 +95,14 @@ class StageObjective final : public Objective {
   const StepStrains* strains_ = nullptr;
   std::optional<NewtonMatrix> matrix_;
   std::optional<ForceJacobian> jacobian_;  // made when first needed
-  ContactMultipliers contacts_;
+  ActiveContacts contacts_;
+  NodeValues rest_stiffness_;                // (N) of nodes, of the surface at rest [N/m]
+  std::vector<BlockEntry> contact_tangent_;  // what the matrix has of it
   bool has_potential_ = true, has_nonconservative_ = false;
-  bool with_contacts_ = false, contacts_begun_ = false;
+  bool with_contacts_ = false, has_changed_ = false;
   bool has_jacobian_solver_ = true;  // as far as is known
   double tolerance_ = 0;             // of the residual, relative to the scale
+  double share_ = 0;
   double size_ = 0, scale_ = 0;
   long solver_iterations_ = 0;
   NodeValues mass_, damping_;  // M/τ², Γ/τ [N/m]
@@ -91,6 +110,7 @@ class StageObjective final : public Objective {
   NodeVectors inertial_;       // r_base + τ v_base
   NodeVectors force_;          // f
   NodeVectors residual_;       // F
+  NodeVectors target_;         // F and what predicted contacts want
   Eigen::Array3Xd squares_;    // sums of squares of some nodes, [N²]
   WorkPath path_, marked_;
 };
