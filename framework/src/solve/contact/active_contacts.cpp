@@ -17,7 +17,7 @@ constexpr double kTouching = 1e-12;
 /// about the inverse of that, and then put right by the projection.
 constexpr double kPenalty = 20;
 /// Likewise of friction, whose kinks these make as round as the updates of T̂ can make good.
-constexpr double kFrictionPenalty = 10;
+constexpr double kFrictionPenalty = 1;
 /// What was about to touch does so after a step that leaves no more of the gap than this part of
 /// the node's motion: what a curved body, or a path that turns, makes of it.
 constexpr double kBent = 0.1;

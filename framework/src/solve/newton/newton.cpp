@@ -35,6 +35,8 @@ constexpr double kLargestRotation = 1, kSmallestRotation = 0.03;
 /// Of a merit with kinks a step that does not help is halved so often at once, as Newton's steps go
 /// to and fro between both sides of one.
 constexpr int kMostKinks = 3;
+/// Beside what kinks make of them, directions need not be as good.
+constexpr double kForcingAtKinks = 0.1;
 /// How often a step that helped is doubled as long as it helps more.
 constexpr int kMostDoublings = 6;
 /// What a sum of energies may be wrong by, relative.
@@ -78,6 +80,8 @@ struct Newton::Impl {
   [[nodiscard]] bool ends(State& state);
   [[nodiscard]] std::string find_direction(State& state, std::int64_t iteration, double relative);
   [[nodiscard]] std::string why_no_solution(std::int64_t iteration, double relative) const;
+  /// Part of a direction's error that may be left.
+  [[nodiscard]] double forcing() const { return f->has_kinks() ? kForcingAtKinks : kForcing; }
   [[nodiscard]] bool may_go_back() const { return is_nonmonotone && patience > 0; }
   [[nodiscard]] bool take_whole_step(State& state, double limit);
   [[nodiscard]] bool take_watched_step(State& state, double limit);
@@ -329,7 +333,7 @@ std::string Newton::Impl::find_direction(State& state, std::int64_t iteration, d
   const bool is_slow =
       f->has_potential() && kind != Tangent::projected && iteration >= kSlow && relative <= kClose;
   if (is_slow && f->find_full_direction(state, direction)) return "";
-  return f->find_direction(state, kForcing, kind, direction);
+  return f->find_direction(state, forcing(), kind, direction);
 }
 
 std::string Newton::Impl::why_no_solution(std::int64_t iteration, double relative) const {
@@ -375,7 +379,7 @@ std::string Newton::Impl::iterate(State& state) {
     const double correction = f->length(direction);
     const double theta = correction / std::exchange(last_correction, correction);
     const bool may_end = path.angle() <= (is_nonmonotone ? rotation : kLargestRotation) &&
-                         limit >= 1 && leaves_little(state, {theta, kForcing, correction, norm});
+                         limit >= 1 && leaves_little(state, {theta, forcing(), correction, norm});
     if (is_nonmonotone) {
       const bool is_lowest = take_watched_step(state, limit);
       if (stays_projected) next = Tangent::projected;
