@@ -22,7 +22,7 @@ constexpr double kFrictionPenalty = 1;
 /// the node's motion: what a curved body, or a path that turns, makes of it.
 constexpr double kBent = 0.1;
 /// Where no larger part of the active set changes, the projection makes it good.
-constexpr double kFew = 0.02;
+constexpr double kFew = 0.1;
 /// A direction may take a node in by this part of its motion.
 constexpr double kComesIn = 1e-3;
 /// An impulse is an impact's where the velocity that a stage begins with is this part of it, or
