@@ -16,7 +16,7 @@ constexpr double kTouching = 1e-12;
 /// Penalties as multiples of a node's own stiffness: what a direction leaves of a constraint is
 /// about the inverse of that, and then put right by the projection.
 constexpr double kPenalty = 20;
-/// Likewise of friction, whose kinks these make as round as the updates of T̂ can make good.
+/// Likewise of friction: softer ones make its kinks rounder, and updates of T̂ put the rest right.
 constexpr double kFrictionPenalty = 1;
 /// What was about to touch does so after a step that leaves no more of the gap than this part of
 /// the node's motion: what a curved body, or a path that turns, makes of it.
@@ -120,6 +120,11 @@ Vec3 ActiveContacts::trial_of(const Friction& f, const NodeVectors& r) const {
   return f.kept - friction_penalty_[f.node] * (f.sliding * (stage_->reach * moved));
 }
 
+void ActiveContacts::act(Friction& f, const NodeVectors& r) const {
+  f.trial = trial_of(f, r);
+  f.force = f.sticks() ? f.trial : Vec3(f.limit / f.trial.norm() * f.trial);
+}
+
 /// Moves a node's position at the end of the stage, as far as it is free, by R Rᵀ times a vector.
 void ActiveContacts::move(Index node, const Vec3& by, NodeVectors& r) const {
   contact_->mobility().add(node, by / stage_->reach, r);
@@ -168,19 +173,18 @@ bool ActiveContacts::react(const NodeVectors& r, NodeVectors& residual) {
   normal_.clear();
   for (const NodeContact& c : touching)
     normal_.push_back({.contact = c, .is_ahead = c.gap < -touching_});
-  const auto act = [&](Friction& f) {
-    f.trial = trial_of(f, r);
-    f.force = f.sticks() ? f.trial : Vec3(f.limit / f.trial.norm() * f.trial);
+  const auto add_force = [&](Friction& f) {
+    act(f, r);
     contact_->mobility().add(f.node, f.force, residual);
   };
-  for (Friction& f : friction_) act(f);
+  for (Friction& f : friction_) add_force(f);
   balance(residual);
   std::vector<Friction> begun;
   for (const Normal& n : normal_)
     if (n.force > 0 && n.contact.friction > 0 && !knows_friction(n.contact))
       begun.push_back(friction_of(n.contact, n.force));
   if (begun.empty()) return false;
-  for (Friction& f : begun) act(f);
+  for (Friction& f : begun) add_force(f);
   balance(residual);
   friction_.insert(friction_.end(), begun.begin(), begun.end());
   std::ranges::sort(friction_, {}, &Friction::place);
@@ -303,24 +307,26 @@ bool ActiveContacts::add_planes(const NodeVectors& end) {
 
 bool ActiveContacts::update(const NodeVectors& r) {
   std::vector<Friction> updated;
-  unsettled_.setZero(r.rows());
   for (const Normal& n : normal_) {
     if (!(n.force > 0 && n.contact.friction > 0)) continue;
     Friction friction = friction_of(n.contact, n.force);
     const auto before = std::ranges::lower_bound(friction_, n.place(), {}, &Friction::place);
-    if (before != friction_.end() && before->place() == n.place()) {
+    if (before != friction_.end() && before->place() == n.place())
       friction.kept = friction.sliding * before->force;
-      friction.trial = trial_of(friction, r);
-      friction.force = friction.sticks()
-                           ? friction.trial
-                           : Vec3(friction.limit / friction.trial.norm() * friction.trial);
-      unsettled_[friction.node] += kFrictionPenalty * (friction.force - before->force).norm() /
-                                   friction_penalty_[friction.node];
-    }
+    act(friction, r);
     updated.push_back(friction);
   }
+  note_changes(updated, r.rows());
   friction_ = std::move(updated);
   return add_planes(end_of(r));
+}
+
+/// How far what changes of friction would move each node, by its stiffness.
+void ActiveContacts::note_changes(const std::vector<Friction>& updated, Index nodes) {
+  NodeVectors change = NodeVectors::Zero(nodes, 3);
+  for (const Friction& f : friction_) change.row(f.node) -= f.force.transpose();
+  for (const Friction& f : updated) change.row(f.node) += f.force.transpose();
+  unsettled_ = kFrictionPenalty * change.rowwise().norm().cwiseQuotient(friction_penalty_);
 }
 
 double ActiveContacts::unsettled(const NodeValues& mass) const {

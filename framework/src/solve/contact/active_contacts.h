@@ -117,6 +117,9 @@ class ActiveContacts {
   [[nodiscard]] Friction friction_of(const NodeContact& c, double force) const;
   [[nodiscard]] Eigen::Matrix3d sliding(Index node, const Vec3& n) const;
   [[nodiscard]] Vec3 trial_of(const Friction& f, const NodeVectors& r) const;
+  /// Makes f's force that at positions r.
+  void act(Friction& f, const NodeVectors& r) const;
+  void note_changes(const std::vector<Friction>& updated, Index nodes);
   void push_out(NodeVectors& r) const;
   void move(Index node, const Vec3& by, NodeVectors& r) const;
   void balance(NodeVectors& residual);
