@@ -61,12 +61,12 @@ struct StageSettings {
 /// positive definite, else the projected one, along paths that rotate parts of the surface by
 /// finite angles (Path). Forces without a potential (drag, damping of materials, followers) count
 /// by their work along the path, with the symmetric part of their tangent; where that converges
-/// slowly close to a solution, with the Jacobian of all forces. Colliders are constraints that every
-/// iterate keeps, with reactions; friction (Coulomb's law, sticking included) is by multipliers
-/// that are updated until they hold.
+/// slowly close to a solution, with the Jacobian of all forces. Colliders are constraints that
+/// every iterate keeps, with reactions; friction (Coulomb's law, sticking included) is by
+/// multipliers that are updated until they hold.
 ///
-/// Where an error may be left, and without colliders, it first tries to do without Φ, by corrections
-/// alone that contract; the search with Φ may end so, too, where that falls.
+/// Where an error may be left, and without colliders, it first tries to do without Φ, by
+/// corrections alone that contract; the search with Φ may end so, too, where that falls.
 ///
 /// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
 /// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;
