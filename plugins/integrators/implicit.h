@@ -24,8 +24,7 @@ struct ImplicitParameters : StepControl {
     d("tolerance", &ImplicitParameters::tolerance, "1",
       "of the residual force, relative to the forces at work; 1e-6 when absent, and where "
       "`newton_error` is absent, too, Newton's method ends before where it leaves less than a "
-      "tenth "
-      "of the step's own error")
+      "tenth of the step's own error")
         .above(0)
         .optional();
     d("iterations", &ImplicitParameters::iterations, "",

@@ -48,7 +48,16 @@ bool is_number_below(double x, std::size_t end) {
   return x >= 0 && x < static_cast<double>(end) && x == std::floor(x);
 }
 
-std::pair<std::size_t, Index> place_of(const NodeContact& c) { return {c.body, c.node}; }
+using Place = std::pair<std::size_t, Index>;  // collider, node
+Place place_of(const NodeContact& c) { return {c.body, c.node}; }
+
+/// The one at a place among some in the order of places; null where there is none.
+template <class Items>
+auto* at_place(Items& items, const Place& place) {
+  const auto at =
+      std::ranges::lower_bound(items, place, {}, [](const auto& item) { return item.place(); });
+  return at != items.end() && at->place() == place ? &*at : nullptr;
+}
 
 }  // namespace
 
@@ -90,15 +99,6 @@ void ActiveContacts::find(const NodeVectors& end, double within,
   std::ranges::sort(found, {}, place_of);
 }
 
-const ActiveContacts::Normal* ActiveContacts::normal_of(const NodeContact& c) const {
-  const auto at = std::ranges::lower_bound(normal_, place_of(c), {}, &Normal::place);
-  return at != normal_.end() && at->place() == place_of(c) ? &*at : nullptr;
-}
-
-bool ActiveContacts::knows_friction(const NodeContact& c) const {
-  return std::ranges::binary_search(friction_, place_of(c), {}, &Friction::place);
-}
-
 Eigen::Matrix3d ActiveContacts::sliding(Index node, const Vec3& n) const {
   Eigen::Matrix3d projection;
   for (int c = 0; c < 3; ++c)
@@ -138,7 +138,7 @@ void ActiveContacts::push_out(NodeVectors& r) const {
     find(end, farthest, near);
     bool any = false;
     for (const NodeContact& c : near) {
-      const Normal* normal = round == 0 ? normal_of(c) : nullptr;
+      const Normal* normal = round == 0 ? at_place(normal_, place_of(c)) : nullptr;
       const double moved = stage_->reach * (r.row(c.node) - at_.row(c.node)).norm();
       const bool is_held =
           normal != nullptr && normal->penalty > 0 && (!normal->is_ahead || c.gap <= kBent * moved);
@@ -181,7 +181,7 @@ bool ActiveContacts::react(const NodeVectors& r, NodeVectors& residual) {
   balance(residual);
   std::vector<Friction> begun;
   for (const Normal& n : normal_)
-    if (n.force > 0 && n.contact.friction > 0 && !knows_friction(n.contact))
+    if (n.force > 0 && n.contact.friction > 0 && at_place(friction_, n.place()) == nullptr)
       begun.push_back(friction_of(n.contact, n.force));
   if (begun.empty()) return false;
   for (Friction& f : begun) add_force(f);
@@ -217,7 +217,8 @@ void ActiveContacts::begin_direction() {
   find(end_of(at_), farthest_, near);
   std::vector<Normal> ahead;
   for (const NodeContact& c : near)
-    if (std::ranges::binary_search(predicted_, place_of(c)) && normal_of(c) == nullptr)
+    if (std::ranges::binary_search(predicted_, place_of(c)) &&
+        at_place(normal_, place_of(c)) == nullptr)
       ahead.push_back({.contact = c, .penalty = penalty_[c.node] / c.mobility, .is_ahead = true});
   normal_.insert(normal_.end(), ahead.begin(), ahead.end());
   std::ranges::sort(normal_, {}, &Normal::place);
@@ -265,8 +266,8 @@ bool ActiveContacts::revise(const NodeVectors& r, const NodeVectors& direction) 
   for (const NodeContact& c : near) {
     const Vec3 d = stage_->reach * direction.row(c.node).transpose();
     if (!(c.gap + c.normal.dot(d) < -kComesIn * d.norm())) continue;
-    const auto known = std::ranges::lower_bound(normal_, place_of(c), {}, &Normal::place);
-    if (known == normal_.end() || known->place() != place_of(c))
+    Normal* const known = at_place(normal_, place_of(c));
+    if (known == nullptr)
       ahead.push_back({.contact = c, .penalty = penalty_[c.node] / c.mobility, .is_ahead = true});
     else if (known->penalty == 0)
       known->penalty = penalty_[c.node] / c.mobility;
@@ -310,8 +311,7 @@ bool ActiveContacts::update(const NodeVectors& r) {
   for (const Normal& n : normal_) {
     if (!(n.force > 0 && n.contact.friction > 0)) continue;
     Friction friction = friction_of(n.contact, n.force);
-    const auto before = std::ranges::lower_bound(friction_, n.place(), {}, &Friction::place);
-    if (before != friction_.end() && before->place() == n.place())
+    if (const Friction* before = at_place(friction_, n.place()))
       friction.kept = friction.sliding * before->force;
     act(friction, r);
     updated.push_back(friction);
@@ -333,13 +333,11 @@ double ActiveContacts::unsettled(const NodeValues& mass) const {
   return std::sqrt(mass.dot(unsettled_.cwiseAbs2()) / mass.sum());
 }
 
-void ActiveContacts::forget_impacts(const NodeValues& mass) {
-  for (const ContactImpulse& i : impulses(mass)) {
-    const double approach = -i.normal.dot(Vec3(stage_->v_base.row(i.node).transpose()));
+void ActiveContacts::forget_impacts(const Stage& stage, const NodeValues& mass) {
+  for (const ContactImpulse& i : impulses(stage, mass)) {
+    const double approach = -i.normal.dot(Vec3(stage.v_base.row(i.node).transpose()));
     if (!(approach > kOfAnImpact * i.normal_impulse)) continue;
-    const auto at =
-        std::ranges::lower_bound(friction_, std::pair(i.body, i.node), {}, &Friction::place);
-    if (at != friction_.end() && at->place() == std::pair(i.body, i.node)) at->ends = true;
+    if (Friction* friction = at_place(friction_, {i.body, i.node})) friction->ends = true;
   }
 }
 
@@ -353,16 +351,16 @@ std::vector<Index> ActiveContacts::active_nodes() const {
 
 /// M Δv = reach τ (N n + T): where the stage's end is not the step's, the rest of the step goes on
 /// with the same forces.
-std::vector<ContactImpulse> ActiveContacts::impulses(const NodeValues& mass) const {
+std::vector<ContactImpulse> ActiveContacts::impulses(const Stage& stage,
+                                                     const NodeValues& mass) const {
   std::vector<ContactImpulse> all;
   for (const Normal& n : normal_) {
     if (!(n.force > 0)) continue;
     const NodeContact& c = n.contact;
-    const double per_force = stage_->reach * stage_->tau / mass[c.node];
-    const auto f = std::ranges::lower_bound(friction_, n.place(), {}, &Friction::place);
-    const bool has_friction = f != friction_.end() && f->place() == n.place();
+    const double per_force = stage.reach * stage.tau / mass[c.node];
+    const Friction* f = at_place(friction_, n.place());
     all.push_back({c.node, c.body, c.normal, per_force * n.force,
-                   has_friction ? Vec3(per_force * f->force) : Vec3(Vec3::Zero())});
+                   f != nullptr ? Vec3(per_force * f->force) : Vec3(Vec3::Zero())});
   }
   return all;
 }

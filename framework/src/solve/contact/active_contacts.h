@@ -62,14 +62,15 @@ class ActiveContacts {
 
   /// Nodes with a normal force at the last `react`, ascending, once for each collider.
   [[nodiscard]] std::vector<Index> active_nodes() const;
-  /// What its forces change of velocities within the stage.
-  [[nodiscard]] std::vector<ContactImpulse> impulses(const NodeValues& mass) const;
+  /// What its forces change of velocities within the stage that was solved.
+  [[nodiscard]] std::vector<ContactImpulse> impulses(const Stage& stage,
+                                                     const NodeValues& mass) const;
   /// About how far friction's changes at the last `update` would move nodes: root mean square over
   /// the mass (N) [m].
   [[nodiscard]] double unsettled(const NodeValues& mass) const;
   /// A stage was solved: friction of what came to a collider is no more in the next one, which has
   /// nothing to stop; that of lasting contact it starts from.
-  void forget_impacts(const NodeValues& mass);
+  void forget_impacts(const Stage& stage, const NodeValues& mass);
 
   void save(Memory& memory) const;
   /// Throws InputError where a number cannot be one that was saved. "last.r" of the memory:
@@ -112,8 +113,6 @@ class ActiveContacts {
   [[nodiscard]] NodeVectors end_of(const NodeVectors& r) const;
   /// Contacts whose gap at positions `end` is less than `within`, by place.
   void find(const NodeVectors& end, double within, std::vector<NodeContact>& found) const;
-  [[nodiscard]] const Normal* normal_of(const NodeContact& c) const;
-  [[nodiscard]] bool knows_friction(const NodeContact& c) const;
   [[nodiscard]] Friction friction_of(const NodeContact& c, double force) const;
   [[nodiscard]] Eigen::Matrix3d sliding(Index node, const Vec3& n) const;
   [[nodiscard]] Vec3 trial_of(const Friction& f, const NodeVectors& r) const;

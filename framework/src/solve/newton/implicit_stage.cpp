@@ -104,17 +104,17 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
   system.step_report().solver_iterations += s.objective.solver_iterations();
   if (!reason.empty()) return reason;
   s.objective.set_velocity(state);
-  if (s.objective.has_contacts()) s.objective.contacts().forget_impacts(system.mass());
+  if (s.objective.has_contacts()) s.objective.contacts().forget_impacts(stage, system.mass());
   return "";
 }
 
 std::vector<Index> ImplicitStage::active_contacts() const {
   return impl_->objective.contacts().active_nodes();
 }
-void ImplicitStage::settle(const System& system, const Stage& /*stage*/, double step,
+void ImplicitStage::settle(const System& system, const Stage& stage, double step,
                            State& end) const {
   if (!impl_->objective.has_contacts()) return;
-  system.contact().settle(step, impl_->objective.contacts().impulses(system.mass()), end);
+  system.contact().settle(step, impl_->objective.contacts().impulses(stage, system.mass()), end);
 }
 bool ImplicitStage::counts_corrections() const {
   return impl_->settings.newton_error > 0 || impl_->settings.newton_share > 0;

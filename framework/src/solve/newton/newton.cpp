@@ -258,7 +258,8 @@ bool Newton::Impl::take_watched_step(State& state, double limit) {
   next = path.is_straight() ? Tangent::mixed : Tangent::exact;
   double merit = go_farther(s, f->merit(state), limit, state);
   for (int cut = 0; f->has_kinks() && !(merit < lowest.merit) && cut < kMostKinks; ++cut) {
-    move(s = 0.5 * s, state);
+    s /= 2;
+    move(s, state);
     merit = f->merit(state);
   }
   if (merit < lowest.merit) {

@@ -221,31 +221,27 @@ std::string StageObjective::find_direction(State& state, double tolerance, Tange
     const std::string reason = jacobian().factor(diagonal_);
     return reason.empty() ? jacobian().solve(residual_, direction) : reason;
   }
-  if (!with_contacts_) {
-    target_ = residual_;
-    return find_descent(state, tolerance, kind, direction);
-  }
+  if (!with_contacts_) return find_descent(state, residual_, tolerance, kind, direction);
   contacts_.begin_direction();
   std::string reason;
   for (int set = 0; set < kMostSets; ++set) {
     add_contact_tangent();
     target_ = residual_;
     contacts_.add_targets(target_);
-    reason = find_descent(state, tolerance, kind, direction);
+    reason = find_descent(state, target_, tolerance, kind, direction);
     if (!reason.empty() || !contacts_.revise(state.r, direction)) break;
   }
   if (reason.empty() && !(slope(direction) < 0)) {
     contacts_.drop_predicted();
     add_contact_tangent();
-    target_ = residual_;
-    reason = find_descent(state, tolerance, kind, direction);
+    reason = find_descent(state, residual_, tolerance, kind, direction);
   }
   return reason;
 }
 
-std::string StageObjective::find_descent(State& state, double tolerance, Tangent& kind,
-                                         NodeVectors& direction) {
-  DescentDirection descent{*matrix_, *system_, target_, diagonal_, tolerance};
+std::string StageObjective::find_descent(State& state, const NodeVectors& b, double tolerance,
+                                         Tangent& kind, NodeVectors& direction) {
+  DescentDirection descent{*matrix_, *system_, b, diagonal_, tolerance};
   const auto project = [&] {
     const std::vector<BlockEntry> of_contact = std::move(contact_tangent_);
     evaluate_tangent(state, Tangent::projected, nullptr);

@@ -84,8 +84,8 @@ class StageObjective final : public Objective {
   [[nodiscard]] double work_to(const State& state, const NodeVectors& force) const;
   void evaluate_tangent(State& state, Tangent kind, const NodeVectors* before);
   void add_contact_tangent();
-  [[nodiscard]] std::string find_descent(State& state, double tolerance, Tangent& kind,
-                                         NodeVectors& direction);
+  [[nodiscard]] std::string find_descent(State& state, const NodeVectors& b, double tolerance,
+                                         Tangent& kind, NodeVectors& direction);
   [[nodiscard]] double residual(const State& state);
   [[nodiscard]] Eigen::Array3d find_residual(const State& state, Index first, Index size);
   [[nodiscard]] ForceJacobian& jacobian();
