@@ -35,10 +35,11 @@ class BackwardEuler final : public ImplicitIntegrator {
     system.constraints().prescribe(end, to.r);
     std::string failure = newton_.solve(system, stage_, to);
     to.time = end;
-    if (failure.empty()) newton_.settle(system, stage_, h, to);
+    if (!failure.empty()) return {std::move(failure), {}, false};
+    std::vector<ContactImpulse> contact = newton_.settle(system, stage_, from, h, to);
     // r(t + h) = r + h v⁺ − h² r̈/2 + …, with r̈ = (v⁺ − v)/h.
-    return {std::move(failure), with_error() ? NodeVectors(h / 2 * (to.v - from.v)) : NodeVectors(),
-            newton_.resolves_contacts()};
+    return {"", with_error() ? NodeVectors(h / 2 * (to.v - from.v)) : NodeVectors(),
+            newton_.resolves_contacts(), std::move(contact)};
   }
   [[nodiscard]] int local_order() const override { return 2; }
   [[nodiscard]] bool is_of_first_order() const override { return true; }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <numbers>
 #include <optional>
 
@@ -108,8 +109,8 @@ class Bdf2 final : public ImplicitIntegrator {
     stage_.error_per_change = error_.per_change(h, C);
     std::string failure = solve(system, to);
     if (!failure.empty()) return {std::move(failure), {}, false};
-    find_contacts(system, from, h, to);
-    return {"", with_error() ? error_.of(from, to, h, C) : NodeVectors(), true};
+    std::vector<ContactImpulse> contact = find_contacts(system, from, h, to);
+    return {"", with_error() ? error_.of(from, to, h, C) : NodeVectors(), true, std::move(contact)};
   }
 
   /// Nothing where contact begins or ends within the step.
@@ -133,11 +134,12 @@ class Bdf2 final : public ImplicitIntegrator {
     to.r = from.r + h * from.v + h * h / 2 * first;
     failure = solve(system, to);
     if (!failure.empty()) return Attempt{std::move(failure), {}, false};
-    find_contacts(system, from, h, to);
+    std::vector<ContactImpulse> contact = find_contacts(system, from, h, to);
     if (active_ != last_active_) return std::nullopt;
 
     order_ = 3;
-    Attempt done{.failure = "", .error = {}, .resolved_contacts = true};
+    Attempt done{
+        .failure = "", .error = {}, .resolved_contacts = true, .contact = std::move(contact)};
     // r⁺ is wrong by + C h³ r⃛, C = (1 − γ) γ² + γ/2 − 1/6; the stages' accelerations differ by
     // (1 − γ) h r⃛.
     constexpr double C = (1 - kGamma) * kGamma * kGamma + kGamma / 2 - 1.0 / 6;
@@ -154,8 +156,9 @@ class Bdf2 final : public ImplicitIntegrator {
     error_.extrapolate(from, h, SecondOrderError::kOfSecondOrder, to.r);
     std::string failure = solve(system, to);
     if (!failure.empty()) return {std::move(failure), {}, false};
-    find_contacts(system, from, h, to);
-    return {"", with_error() ? NodeVectors(h / 2 * (to.v - from.v)) : NodeVectors(), true};
+    std::vector<ContactImpulse> contact = find_contacts(system, from, h, to);
+    return {"", with_error() ? NodeVectors(h / 2 * (to.v - from.v)) : NodeVectors(), true,
+            std::move(contact)};
   }
 
   /// From the guess in `to`, whose prescribed components become those of the stage's end.
@@ -166,11 +169,21 @@ class Bdf2 final : public ImplicitIntegrator {
     return failure;
   }
 
-  /// Velocities after contact at a step's end, and what colliders held in it.
-  void find_contacts(System& system, const State& from, double h, State& to) {
-    newton_.settle(system, stage_, h, to);
-    active_ = newton_.resolves_contacts() ? newton_.active_contacts()
-                                          : system.contact().resolve(from.r, h, to);
+  /// Velocities after contact at a step's end, and what colliders held in it. Returns their
+  /// impulses.
+  std::vector<ContactImpulse> find_contacts(System& system, const State& from, double h,
+                                            State& to) {
+    if (newton_.resolves_contacts()) {
+      active_ = newton_.active_contacts();
+      return newton_.settle(system, stage_, from, h, to);
+    }
+    std::vector<ContactImpulse> impulses = system.contact().resolve(from, h, to);
+    active_.clear();
+    for (const ContactImpulse& i : impulses) active_.push_back(i.node);
+    std::ranges::sort(active_);
+    const auto repeated = std::ranges::unique(active_);
+    active_.erase(repeated.begin(), repeated.end());
+    return impulses;
   }
 
   SecondOrderError error_;

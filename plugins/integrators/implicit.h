@@ -80,6 +80,7 @@ class ImplicitIntegrator : public SteppedIntegrator {
     stage_.r_base = stage_.start = from.r;
     stage_.v_base = from.v;
     stage_.tau = h;
+    stage_.begin = from.time;
     stage_.end = from.time + h;
     stage_.time = from.time + h / 2;
     stage_.by_strains = true;

@@ -48,11 +48,11 @@ class ImplicitMidpoint final : public ImplicitIntegrator {
     to.r = 2 * to.r - from.r;
     to.v = 2 * to.v - from.v;
     to.time = end;
-    newton_.settle(system, stage_, h, to);
+    std::vector<ContactImpulse> contact = newton_.settle(system, stage_, from, h, to);
     system.constraints().prescribe(end, to.r);
     system.constraints().prescribe_velocity(end, h, to.v);
     return {"", with_error() ? error_.of(from, to, h, kError) : NodeVectors(),
-            newton_.resolves_contacts()};
+            newton_.resolves_contacts(), std::move(contact)};
   }
   [[nodiscard]] int local_order() const override { return 3; }
   void accept(const State& from, const State& to) override { error_.accept(from, to); }

@@ -6,6 +6,7 @@
 #include <deform/log.h>
 #include <deform/solve/equilibrium.h>
 #include <deform/solve/integrator.h>
+#include <deform/solve/relaxation.h>
 
 namespace {
 using namespace deform;
@@ -33,17 +34,24 @@ struct Parameters {
 constexpr int kMostHalvings = 10;
 
 /// Equilibrium f(r) = 0 at the end of each step, by Newton's method. A step's load grows from
-/// nothing to all, by parts that are halved where it fails (Equilibrium).
+/// nothing to all, by parts that are halved where it fails (Equilibrium). With colliders it goes by
+/// pseudo-steps (Relaxation).
 class Static final : public Integrator {
  public:
   Static(const Parameters& p, const Setup& /*setup*/)
-      : parameters_(p), equilibrium_({.tolerance = p.tolerance, .iterations = p.iterations}) {}
+      : parameters_(p),
+        equilibrium_({.tolerance = p.tolerance, .iterations = p.iterations}),
+        relaxation_({.tolerance = p.tolerance, .iterations = p.iterations}) {}
 
   [[nodiscard]] bool is_static() const override { return true; }
+  [[nodiscard]] bool resolves_contacts() const override { return true; }
   [[nodiscard]] Solves solves() const override { return Solves::tangents; }
+  void save(Memory& memory) const override { relaxation_.save(memory); }
+  void load(const Memory& memory) override { relaxation_.load(memory); }
 
   void advance(System& system, State& state, double step) override {
     end_ = state.time + step;
+    if (system.contact().bodies() > 0) return relax(system, state);
     equilibrium_.begin(system, state, end_);
     if (!equilibrium_.has_potential() && !parameters_.linear)
       say_once_what_has_no_potential(system.evaluator());
@@ -58,6 +66,14 @@ class Static final : public Integrator {
   }
 
  private:
+  /// With colliders.
+  void relax(System& system, State& state) {
+    if (parameters_.linear)
+      throw InputError("'linear' is true, but there are colliders: contact is not linear");
+    const std::string reason = relaxation_.solve(system, end_, state);
+    if (!reason.empty()) throw Error(ExitCode::diverged, "no equilibrium in contact: " + reason);
+  }
+
   /// Load step by load step to the end of the step, halving those that lead nowhere.
   void load_up(System& system, State& state) {
     const double first = 1 / static_cast<double>(parameters_.load_steps);
@@ -162,6 +178,7 @@ class Static final : public Integrator {
 
   Parameters parameters_;
   Equilibrium equilibrium_;
+  Relaxation relaxation_;
   bool said_ = false;
   double end_ = 0;
 };

@@ -38,8 +38,8 @@ class Contact final : public Probe {
   /// [m].
   static Index touching(const Frame& frame, const NodeValues& clearance, double within) {
     std::vector<NodeContact> contacts;
-    frame.system.contact().find(frame.state.time, frame.positions(), frame.positions(), within,
-                                contacts);
+    const NodeVectors r = frame.positions();
+    frame.system.contact().find({frame.state.time, r, frame.state.time, r}, within, contacts);
     std::vector<bool> touches(static_cast<std::size_t>(clearance.size()));
     for (Index a = 0; a < clearance.size(); ++a)
       touches[static_cast<std::size_t>(a)] = clearance[a] < within;

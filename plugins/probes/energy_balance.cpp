@@ -19,15 +19,16 @@ class EnergyBalance final : public Probe {
   [[nodiscard]] std::vector<ProbeColumn> columns() const override {
     return {{"energy_balance.change", "J"},      {"energy_balance.loads", "J"},
             {"energy_balance.constraints", "J"}, {"energy_balance.damping", "J"},
-            {"energy_balance.drift", "J"},       {"energy_balance.relative_drift", "1"}};
+            {"energy_balance.drift", "J"},       {"energy_balance.relative_drift", "1"},
+            {"energy_balance.contact", "J"},     {"energy_balance.friction", "J"}};
   }
 
   void follow(const Frame& frame) override {
-    account_->add_part(frame, frame.step_size - counted_);
+    account_->add_part(frame, frame.step_size - counted_, EnergyAccount::End::of_step);
     counted_ = 0;
   }
   void follow_break(const Frame& frame) override {
-    account_->add_part(frame, frame.step_size);
+    account_->add_part(frame, frame.step_size, EnergyAccount::End::at_break);
     counted_ += frame.step_size;
   }
 
@@ -35,7 +36,8 @@ class EnergyBalance final : public Probe {
     if (!account_->has_started()) account_->start(frame);
     const EnergyFigures a = account_->figures(frame);
     const double relative = a.scale() > 0 ? a.drift() / a.scale() : 0;
-    const std::array all{a.change, a.loads, a.constraints, a.damping, a.drift(), relative};
+    const std::array all{a.change,  a.loads,  a.constraints, a.damping,
+                         a.drift(), relative, a.contact,     a.friction};
     std::ranges::copy(all, figures.begin());
   }
 
@@ -53,9 +55,9 @@ DEFORM_PLUGIN(
     EnergyBalance, NoParameters, .name = "energy_balance", .version = "1.0",
     .summary =
         "Change of kinetic and internal energy (terms with a potential) since the start, work of "
-        "loads and of constraints that move nodes, what damping took, all over every step; and "
-        "the drift, which is none of these: that of the method, of contact, of terms without a "
-        "potential",
+        "loads and of constraints that move nodes, what damping took, all over every step; the "
+        "drift, which is none of these: that of the method, of terms without a potential; and the "
+        "work of colliders on the surface, along their normals and by friction",
     .formula =
-        "drift = change - loads - constraints + damping; relative to |change| + largest "
-        "kinetic energy + sums of |work| and damping of each step")
+        "drift = change - loads - constraints + damping - contact - friction; relative to |change| "
+        "+ largest kinetic energy + sums of |work| and damping of each step")

@@ -138,7 +138,17 @@ bad("collider_around_the_sheet",
     "at /colliders/0", "inside of this collider", beyond="plugin")
 bad("collider_of_an_equilibrium",
     {"/colliders": [{"plugin": "plane", "point": [0, 0, -1]}], "/integrator/plugin": "static"},
-    "at /colliders", 'integrator "static" looks for equilibria without contact', beyond="plugin")
+    "at /colliders", "equilibria in contact take energies with a potential", beyond="plugin")
+bad("collider_path_without_times",
+    {"/colliders": [{"plugin": "plane", "point": [0, 0, -1], "displacements": [[0, 0, 0]]}]},
+    "at /colliders/0", "'times' has 0 entries, 'displacements' 1", beyond="plugin")
+bad("collider_path_backwards",
+    {"/colliders": [{"plugin": "plane", "point": [0, 0, -1], "times": [1, 0],
+                     "rotations": [[0, 0, 0], [0, 0, 1]]}]},
+    "at /colliders/0", "'times' must ascend, but 1 is followed by 0", beyond="plugin")
+bad("collider_restitution",
+    {"/colliders": [{"plugin": "plane", "point": [0, 0, -1], "restitution": 1.5}]},
+    "at /colliders/0/restitution", "found 1.5, expected number from 0 to 1")
 bad("collider_rounder_than_it_is",
     {"/colliders": [{"plugin": "box", "centre": [0, 0, -9], "rounding": 2}]},
     "at /colliders/0", "rounding is more", beyond="plugin")

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "model/support/contact_scene.h"
 #include "model/support/simulate.h"
 
 namespace deform {
@@ -15,70 +16,14 @@ namespace {
 
 using test::simulation_from_text;
 
-struct Method {
-  std::string integrator;
-  std::string
-      energies;  // under implicit methods, one without a potential leaves contact to the end
-};
-
-std::vector<Method> methods() {
-  const std::string without_potential = R"([{"plugin": "bending", "xi": 1e-12}])";
-  return {{"semi_implicit", "[]"},
-          {"symplectic_euler", "[]"},
-          {"runge_kutta", "[]"},
-          {"backward_euler", "[]"},
-          {"bdf2", "[]"},
-          {"implicit_midpoint", "[]"},
-          {"backward_euler", without_potential},
-          {"bdf2", without_potential},
-          {"implicit_midpoint", without_potential}};
-}
-
-std::string name_of(const Method& m) { return m.integrator + " with " + m.energies; }
-
-/// A sheet on the plane z = 0, to be put elsewhere by pointers.
-Simulation sheet(const Method& m, double step, double duration,
-                 std::vector<Replacement> replacements) {
-  const bool is_implicit = m.integrator != "runge_kutta" && m.integrator != "symplectic_euler" &&
-                           m.integrator != "semi_implicit";
-  replacements.insert(
-      replacements.begin(),
-      {{"/energies", m.energies},
-       {"/integrator", fmt::format(R"({{"plugin": "{}", "step": {}{}}})", m.integrator, step,
-                                   is_implicit ? R"(, "tolerance": 1e-10)" : "")},
-       {"/duration", std::to_string(duration)}});
-  return simulation_from_text(
-      R"({"surface": {"plugin": "grid", "nodes": [3, 3], "size": [1, 1]},
-          "material": {"density": 1}, "energies": [], "forces": [], "constraints": [],
-          "colliders": [], "velocity": [0, 0, 0], "limits": {"distance": 100}, "integrator": {"plugin": "symplectic_euler", "step": 0.01}, "duration": 1})",
-      replacements);
-}
-
-Replacement plane(double z, double friction) {
-  return {
-      "/colliders/-",
-      fmt::format(R"({{"plugin": "plane", "point": [0, 0, {}], "friction": {}}})", z, friction)};
-}
-Replacement velocity(double x, double z) { return {"/velocity", fmt::format("[{}, 0, {}]", x, z)}; }
-
-/// Such a sheet after its last step.
-class Ended {
- public:
-  Ended(const Method& m, double step, double duration, const std::vector<Replacement>& replacements)
-      : simulation_(sheet(m, step, duration, replacements)) {
-    EXPECT_FALSE(test::run_to_end(simulation_)) << name_of(m);
-  }
-  [[nodiscard]] const State& state() const { return simulation_.state(); }
-  System& system() { return simulation_.system(); }
-
- private:
-  Simulation simulation_;
-};
-
-template <class Run>
-double largest_speed(const Run& s) {
-  return s.state().v.rowwise().norm().maxCoeff();
-}
+using test::Ended;
+using test::largest_speed;
+using test::Method;
+using test::methods;
+using test::name_of;
+using test::plane;
+using test::sheet;
+using test::velocity;
 
 TEST(ContactMechanics, AnImpactTakesAllOfTheNormalVelocity) {
   for (const Method& m : methods())

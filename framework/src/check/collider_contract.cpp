@@ -89,6 +89,25 @@ void check_distances(const Collider& collider, Checks& checks) {
                static_cast<double>(off) / static_cast<double>(kPoints), 0.02);
 }
 
+/// What moves by itself takes its points there and back.
+void check_carry(const Collider& collider, Checks& checks) {
+  constexpr Index kPoints = 16;
+  std::mt19937 random(6);
+  std::uniform_real_distribution<double> anywhere(-2, 2);
+  NodeVectors points(kPoints, 3), there = NodeVectors::Zero(kPoints, 3), back = there;
+  for (double& x : points.reshaped()) x = anywhere(random);
+  const auto carry = [&](double from, double to, const NodeVectors& of, NodeVectors& carried) {
+    return collider.carry(from, to, kPoints, rows_from(of, 0), rows_from(carried, 0));
+  };
+  if (!carry(0.3, 0.7, points, there)) {
+    checks.holds("leaves points alone where it does not move", there.isZero(0), "it has not");
+    return;
+  }
+  checks.holds("carries points to finite places", there.allFinite(), "it does not");
+  checks.holds("carries them back, too", carry(0.7, 0.3, there, back), "it does not");
+  checks.below("and leaves them where they were [m]", (back - points).cwiseAbs().maxCoeff(), 1e-9);
+}
+
 }  // namespace
 
 void check_collider_contract(const Subject& subject, Checks& checks) {
@@ -96,6 +115,8 @@ void check_collider_contract(const Subject& subject, Checks& checks) {
   checks.at(terrain.name);
   checks.runs("measures distances",
               [&] { check_distances(*subject.make<Collider>(terrain).object, checks); });
+  checks.runs("carries points",
+              [&] { check_carry(*subject.make<Collider>(terrain).object, checks); });
   check_run(subject, checks);
 }
 

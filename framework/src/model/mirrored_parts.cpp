@@ -151,6 +151,13 @@ class MirroredCollider final : public Mirrored<Collider> {
     part().measure(time, copies.reflected(points, size), distance, normal);
     negate(normal.z, size);
   }
+  [[nodiscard]] bool carry(double from, double to, Index size, ConstVectors points,
+                           Vectors carried) const override {
+    NegatedCopies copies(size);
+    if (!part().carry(from, to, size, copies.reflected(points, size), carried)) return false;
+    negate(carried.z, size);
+    return true;
+  }
 };
 
 }  // namespace

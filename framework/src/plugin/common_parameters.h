@@ -25,11 +25,25 @@ struct CommonParameters<EnergyTerm> {
 
 template <>
 struct CommonParameters<Collider> {
-  double friction = 0.3, thickness = 0;
+  double friction = 0.3, thickness = 0, restitution = 0;
+  std::vector<double> times;
+  std::vector<Vec3> displacements, rotations;
+  Vec3 pivot = Vec3::Zero();
   static void declare(Declaration<CommonParameters>& d) {
     d("friction", &CommonParameters::friction, "", "Coulomb's coefficient; 0: none").at_least(0);
     d("thickness", &CommonParameters::thickness, "m", "distance that nodes keep from the body")
         .at_least(0);
+    d("restitution", &CommonParameters::restitution, "",
+      "part of the speed of approach that an impact gives back (Newton's law); 0: none")
+        .at_least(0)
+        .at_most(1);
+    d("times", &CommonParameters::times, "s",
+      "when the body is displaced and turned as the lists say, ascending; linear between, constant "
+      "before and after; empty: it stays");
+    d("displacements", &CommonParameters::displacements, "m", "of the body, one for each time");
+    d("rotations", &CommonParameters::rotations, "rad",
+      "of the body about its pivot, one for each time: axis times angle");
+    d("pivot", &CommonParameters::pivot, "m", "place that rotations leave, moved by displacements");
   }
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "deform/model/reduction.h"
 #include "deform/record/loads_at.h"
@@ -34,9 +35,17 @@ struct Instant {
 /// What went in and out since the first state that was seen [J].
 struct Account {
   double first = 0;  ///< energy of that state
-  double loads = 0, constraints = 0, damping = 0;
+  double loads = 0, constraints = 0, damping = 0, contact = 0, friction = 0;
   double turnover = 0;         ///< sum of the sizes of all of these, step by step
   double largest_kinetic = 0;  ///< so far
+
+  [[nodiscard]] std::vector<double> numbers() const {
+    return {first, loads, constraints, damping, contact, friction, turnover, largest_kinetic};
+  }
+  static Account of(const Memory& memory) {
+    const std::vector<double>& n = memory.get("account", 8);
+    return {n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7]};
+  }
 };
 
 template <class Of, class Action>
@@ -63,6 +72,7 @@ struct EnergyAccount::Impl {
   /// The state of a frame under these loads (N × 3) [N].
   [[nodiscard]] Instant instant(const Frame& frame, NodeVectors load) const;
   void add_work(const Frame& frame, const Instant& now);
+  void add_contact(const ContactReport& contact, End end);
   [[nodiscard]] double work_of_constraints(const Frame& frame, const Instant& now,
                                            const NodeVectors& displacement) const;
   [[nodiscard]] NodeVectors prescribed_part(NodeVectors change) const;
@@ -72,6 +82,7 @@ struct EnergyAccount::Impl {
   bool any_prescribed = false;
   bool started = false;
   Account account;
+  double counted_normal = 0, counted_friction = 0;  // of the step under way [J]
   Instant last;
 };
 
@@ -95,6 +106,18 @@ void EnergyAccount::Impl::add_work(const Frame& frame, const Instant& now) {
   account.constraints += constraints;
   account.turnover += std::abs(loads) + std::abs(damping) + std::abs(constraints);
   account.largest_kinetic = std::max(account.largest_kinetic, kinetic(frame.system, now.v));
+}
+
+/// What the report of the scene's step has since the last part.
+void EnergyAccount::Impl::add_contact(const ContactReport& contact, End end) {
+  const double normal = contact.normal_work() - counted_normal,
+               friction = contact.friction_work() - counted_friction;
+  account.contact += normal;
+  account.friction += friction;
+  account.turnover += std::abs(normal) + std::abs(friction);
+  const bool goes_on = end == End::at_break;
+  counted_normal = goes_on ? contact.normal_work() : 0;
+  counted_friction = goes_on ? contact.friction_work() : 0;
 }
 
 /// The reactions do no work on what the free components bring about: T^T reaction = 0.
@@ -135,9 +158,10 @@ void EnergyAccount::start(const Frame& frame) {
   s.account.first = s.account.largest_kinetic + internal(frame);
 }
 
-void EnergyAccount::add_part(const Frame& frame, double length) {
+void EnergyAccount::add_part(const Frame& frame, double length, End end) {
   Impl& s = *impl_;
   if (!s.started) return start(frame);
+  s.add_contact(frame.system.step_report().contact, end);
   LoadsAt loads = loads_at(frame, length);
   Instant now = s.instant(frame, std::move(loads.before));
   s.add_work(frame, now);
@@ -151,6 +175,8 @@ EnergyFigures EnergyAccount::figures(const Frame& frame) const {
           .loads = a.loads,
           .constraints = a.constraints,
           .damping = a.damping,
+          .contact = a.contact,
+          .friction = a.friction,
           .turnover = a.turnover,
           .largest_kinetic = a.largest_kinetic};
 }
@@ -158,9 +184,7 @@ EnergyFigures EnergyAccount::figures(const Frame& frame) const {
 void EnergyAccount::save(Memory& memory) const {
   memory.put("started", {impl_->started ? 1.0 : 0.0});
   if (!impl_->started) return;
-  const Account& a = impl_->account;
-  memory.put("account",
-             {a.first, a.loads, a.constraints, a.damping, a.turnover, a.largest_kinetic});
+  memory.put("account", impl_->account.numbers());
   each_vector(impl_->last, [&](const std::string& name, const NodeVectors& v) {
     memory.put(name, {v.data(), v.data() + v.size()});
   });
@@ -170,8 +194,7 @@ void EnergyAccount::load(const Memory& memory) {
   Impl& s = *impl_;
   s.started = memory.get("started", 1).front() != 0;
   if (!s.started) return;
-  const std::vector<double>& a = memory.get("account", 6);
-  s.account = {a[0], a[1], a[2], a[3], a[4], a[5]};
+  s.account = Account::of(memory);
   each_vector(s.last, [&](const std::string& name, NodeVectors& v) {
     const auto& values = memory.get(name, static_cast<std::size_t>(3 * s.nodes));
     v = Eigen::Map<const NodeVectors>(values.data(), s.nodes, 3);

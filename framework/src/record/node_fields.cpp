@@ -46,6 +46,15 @@ std::vector<double> at_nodes(const SampleSet& samples, const std::vector<double>
   return sums;
 }
 
+/// Sizes of mean forces in the last step, by area [Pa]; NaN where none is known.
+NodeValues pressures(const ContactReport& contact, const NodeVectors& impulse,
+                     const NodeValues& areas) {
+  if (!(contact.time() > 0))
+    return NodeValues::Constant(areas.size(), std::numeric_limits<double>::quiet_NaN());
+  if (!contact.any()) return NodeValues::Zero(areas.size());
+  return impulse.topRows(areas.size()).rowwise().norm().cwiseQuotient(contact.time() * areas);
+}
+
 }  // namespace
 
 NodeFields::NodeFields(const System& system) : terms_(jet_terms(system)) {
@@ -65,6 +74,11 @@ NodeFields::NodeFields(const System& system) : terms_(jet_terms(system)) {
                          use.term->normal()->branches()});
     }
   }
+  with_contact_ = system.contact().bodies() > 0;
+  if (with_contact_) {
+    fields_.push_back({"contact pressure", "Pa", Scale::sequential});
+    fields_.push_back({"friction", "Pa", Scale::sequential});
+  }
   values_.resize(fields_.size());
 }
 
@@ -83,6 +97,11 @@ const std::vector<std::vector<float>>& NodeFields::evaluate(const Frame& frame) 
     if (!has_normals(use)) continue;
     add_angles(use, frame, *next++);
     if (has_branches(use)) add_branches(use, frame, *next++);
+  }
+  if (with_contact_) {
+    const ContactReport& contact = frame.system.step_report().contact;
+    put(pressures(contact, contact.normal_impulse(), frame.system.areas()));
+    put(pressures(contact, contact.friction_impulse(), frame.system.areas()));
   }
   return values_;
 }

@@ -10,8 +10,8 @@
 namespace deform {
 
 /// What can be said of every node of a surface: each term's energy density (the mean of the samples
-/// there, by D_0, where the samples are not the nodes); and where they are, curvature, how far a
-/// term's normal is off, and the branch of its estimator.
+/// there, by D_0, where the samples are not the nodes); where they are, curvature, how far a term's
+/// normal is off, and the branch of its estimator; and what colliders press and rub with.
 class NodeFields {
  public:
   explicit NodeFields(const System& system);
@@ -27,6 +27,7 @@ class NodeFields {
   std::vector<JetTermUse> terms_;
   std::vector<TrajectoryField> fields_;
   std::vector<std::vector<float>> values_;
+  bool with_contact_ = false;
   NodeVectors estimates_;
 };
 

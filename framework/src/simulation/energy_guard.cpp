@@ -83,12 +83,12 @@ void EnergyGuard::begin(const Frame& frame) {
 }
 
 void EnergyGuard::at_break(const Frame& frame) {
-  account_.add_part(frame, frame.step_size);
+  account_.add_part(frame, frame.step_size, EnergyAccount::End::at_break);
   counted_ += frame.step_size;
 }
 
 void EnergyGuard::end(const Frame& frame) {
-  account_.add_part(frame, frame.step_size - counted_);
+  account_.add_part(frame, frame.step_size - counted_, EnergyAccount::End::of_step);
   last_ = frame.step;
   const EnergyFigures figures = account_.figures(frame);
   const double gain = figures.drift() - drift_;

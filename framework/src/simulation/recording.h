@@ -29,6 +29,7 @@
 #include "simulation/resumption.h"
 #include "simulation/run_log.h"
 #include "simulation/run_parts.h"
+#include "simulation/step_advice.h"
 #include "simulation/step_watch.h"
 
 namespace deform {
@@ -149,6 +150,7 @@ class Recording {
   StepTimes times_;  // of steps, and of recording as output
   CheckpointSchedule schedule_;
   BalanceGuards guards_;
+  StepAdvice advice_;
   StepWatch& watch_;
   /// What to go on from if the step under way is thrown away; of long steps alone.
   std::optional<Checkpoint> before_step_;

@@ -7,7 +7,7 @@
 namespace deform {
 
 void save_report(const StepReport& report, Memory& memory);
-/// Throws InputError when it is none.
-void load_report(StepReport& report, const Memory& memory);
+/// Of a system with so many rows. Throws InputError when it is none.
+void load_report(StepReport& report, const Memory& memory, Index rows);
 
 }  // namespace deform

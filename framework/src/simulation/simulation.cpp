@@ -17,6 +17,7 @@
 #include "deform/solve/lagged_matrix.h"
 
 #include "model/mirrored_parts.h"
+#include "model/moving_collider.h"
 #include "not_finite.h"
 #include "plugin/common_parameters.h"
 #include "plugin/guard.h"
@@ -99,6 +100,19 @@ void require_no_colliders(const Scene& scene, const Named<Integrator>& integrato
                           colliders, integrator.name)}});
 }
 
+/// Contact is part of minimising a potential.
+void require_potential_in_contact(const System& system, const Named<Integrator>& integrator) {
+  if (system.contact().bodies() == 0 || !integrator.object->is_static()) return;
+  const std::vector<std::string> without = system.evaluator().without_potential();
+  if (system.evaluator().energies_have_potential()) return;
+  throw InputError(
+      {{"/colliders",
+        fmt::format("at /colliders: equilibria in contact take energies with a potential, but {} "
+                    "has none; take \"bending_variational\", or \"backward_euler\" with damping "
+                    "('damping' of the material) until the surface rests",
+                    without.empty() ? std::string("an energy") : without.front())}});
+}
+
 /// Velocities whose energy overflows are no state to begin with.
 void require_finite_energy(const NodeVectors& v, const NodeValues& mass) {
   if (std::isfinite(v.rowwise().squaredNorm().dot(mass))) return;
@@ -129,7 +143,7 @@ struct Simulation::Impl {
   void advance_by_parts(const AtBreak& at_break);
   void advance_smoothly(double step);
   void advance(double step);
-  void collide(const NodeVectors& begin, double step);
+  void collide(const State& begin, double step);
   void report_parts(long parts, double shortest, double longest);
   [[nodiscard]] Frame frame(double step);
   void check_state();
@@ -199,6 +213,7 @@ void Simulation::Impl::make_system() {
   const auto make_solvers = parts.make_solvers;
   system = std::make_unique<System>(std::move(parts));
   require_masses();
+  require_potential_in_contact(*system, integrator);
   if (!scene.plugins[PluginKind::solver].empty()) check_solver(make_solvers);
 }
 
@@ -226,8 +241,15 @@ std::vector<Body> Simulation::Impl::make_bodies(PartMaker& maker, const Setup& s
   std::vector<Body> bodies;
   for (const PluginUse& use : scene.plugins[PluginKind::collider]) {
     const auto common = common_parameters<Collider>(use);
-    if (auto collider = maker.make<Collider>(use, setup))
-      bodies.push_back({std::move(*collider), common.friction, common.thickness, use.pointer});
+    const RigidPath path{common.times, common.displacements, common.rotations, common.pivot};
+    const std::string problem = problem_of(path);
+    if (!problem.empty())
+      maker.add({{use.pointer, fmt::format("at {}: {}", use.pointer, problem)}});
+    auto collider = maker.make<Collider>(use, setup);
+    if (!collider || !problem.empty()) continue;
+    if (!path.times.empty()) collider->object = moving(collider->object, path);
+    bodies.push_back(
+        {std::move(*collider), common.friction, common.thickness, common.restitution, use.pointer});
   }
   return bodies;
 }
@@ -342,7 +364,7 @@ void Simulation::Impl::advance_smoothly(double step) {
   const bool collides =
       system->contact().bodies() > 0 &&
       !asked(integrator, [](const Integrator& i) { return i.resolves_contacts(); });
-  const NodeVectors begin = collides ? state.r : NodeVectors();
+  const State begin = collides ? state : State{};
   advance(step);
   check_state();
   if (collides) collide(begin, step);
@@ -365,10 +387,11 @@ void Simulation::Impl::advance(double step) {
   }
 }
 
-void Simulation::Impl::collide(const NodeVectors& begin, double step) {
+void Simulation::Impl::collide(const State& begin, double step) {
   const Span span("collision");
   try {
-    system->contact().resolve(begin, step, state);
+    const std::vector<ContactImpulse> impulses = system->contact().resolve(begin, step, state);
+    system->step_report().contact.add(system->mass(), impulses, begin.v, state.v, step);
   } catch (const NotFinite& e) {
     throw e.at_step(steps + 1, "colliders");
   }
@@ -508,7 +531,7 @@ void Simulation::load(const Memory& memory) {
     load_plugin(*part.object, part.origin, part.section, memory);
   }
   s.system->begin_step();
-  load_report(s.system->step_report(), memory);
+  load_report(s.system->step_report(), memory, s.system->rows());
 }
 
 }  // namespace deform

@@ -80,17 +80,21 @@ const NodeValues& System::damping() const { return parts_->model.damping; }
 const std::vector<Named<EnergyTerm>>& System::energies() const { return parts_->model.energies; }
 
 const Evaluator& System::evaluator() const { return parts_->evaluator; }
-const TermProbe& System::terms() const { return parts_->terms; }
+const TermEvaluator& System::terms() const { return parts_->terms; }
 const ConstraintSet& System::constraints() const { return parts_->constraints; }
 const ColliderContact& System::contact() const { return parts_->contact; }
 const MassMatrix& System::mass_matrix() const { return parts_->mass_matrix; }
 
 void System::begin_step() {
   StepReport& report = parts_->meter.report;
+  // Their memory is kept.
   std::vector<double> residuals = std::move(report.residuals);
-  residuals.clear();  // its memory is kept
+  residuals.clear();
+  ContactReport contact = std::move(report.contact);
+  contact.clear();
   report = {};
   report.residuals = std::move(residuals);
+  report.contact = std::move(contact);
   ++parts_->meter.step;
 }
 

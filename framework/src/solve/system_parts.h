@@ -7,7 +7,7 @@
 #include "deform/solve/mass_matrix.h"
 #include "deform/solve/model_parts.h"
 #include "deform/solve/system.h"
-#include "deform/solve/term_probe.h"
+#include "deform/solve/term_evaluator.h"
 
 #include "solve/assembly/assembly.h"
 #include "solve/matrix/solver_source.h"
@@ -29,7 +29,7 @@ class SystemParts {
   ColliderContact contact;
   Assembly assembly;
   Evaluator evaluator;
-  TermProbe terms;
+  TermEvaluator terms;
   MassMatrix mass_matrix;
 };
 

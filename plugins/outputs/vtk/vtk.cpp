@@ -241,8 +241,21 @@ class Vtk final : public Output {
     shot.data->polygons(frame.system.surface().faces());
     shot.data->add("velocity", kept(shot, frame.state.v));
     shot.data->add("displacement", kept(shot, frame.positions() - frame.system.rest()));
+    add_contact(shot, frame);
     for (const SampleFields& fields : on_nodes_)
       fields.add_to(shot, frame, &fields == &on_nodes_.front());
+  }
+
+  /// Mean forces of colliders in the last step [N]; 0 where none is known.
+  static void add_contact(Shot& shot, const Frame& frame) {
+    if (frame.system.contact().bodies() == 0) return;
+    const ContactReport& contact = frame.system.step_report().contact;
+    const auto force = [&](const NodeVectors& impulse) -> NodeVectors {
+      if (!contact.any()) return NodeVectors::Zero(frame.system.nodes(), 3);
+      return impulse.topRows(frame.system.nodes()) / contact.time();
+    };
+    shot.data->add("contact_force", kept(shot, force(contact.normal_impulse())));
+    shot.data->add("friction_force", kept(shot, force(contact.friction_impulse())));
   }
 
   void take_cloud(Cloud& cloud, const Frame& frame, Shot& shot) {

@@ -22,6 +22,12 @@ class DEFORM_API Collider : public Plugin {
   /// Whether the body, and so its distance as a function of place, is convex at all times: then few
   /// looks tell where a node that moves far within a step comes in. Where it may not be, more do.
   [[nodiscard]] virtual bool is_convex() const { return false; }
+  /// For so many points of the body that are at `points` [m] at a time: where its motion has them
+  /// at another one, earlier or later. What is friction's to resist is a node's motion beside this.
+  /// Returns false, `carried` untouched, where the body does not move, as here: the surface of one
+  /// that only grows or shrinks carries nothing along.
+  [[nodiscard]] virtual bool carry(double from, double to, Index size, ConstVectors points,
+                                   Vectors carried) const;
 };
 
 /// Distance and its gradient at one point.

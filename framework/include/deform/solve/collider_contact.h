@@ -7,6 +7,7 @@
 
 #include "deform/export.h"
 #include "deform/model/reduction.h"
+#include "deform/solve/contact_report.h"
 #include "deform/solve/model_parts.h"
 #include "deform/solve/state.h"
 #include "deform/types.h"
@@ -27,13 +28,13 @@ struct NodeContact {
   bool crossed = false;
 };
 
-/// Impulse of a collider on a node within a step, per mass [m/s].
-struct ContactImpulse {
-  Index node = 0;
-  std::size_t body = 0;  ///< its number among the scene's colliders
-  Vec3 normal = Vec3::UnitZ();
-  double normal_impulse = 0;             ///< along the normal
-  Vec3 friction_impulse = Vec3::Zero();  ///< across it
+/// A step, or a part of one, that takes nodes from where they were (N × 3) [m] at a time [s] to
+/// where they are at another one.
+struct NodePaths {
+  double begin = 0;
+  const NodeVectors& from;
+  double end = 0;
+  const NodeVectors& to;
 };
 
 class Mobility;
@@ -43,10 +44,13 @@ class Mobility;
 /// shortened by at most friction × how far it was pushed. That is Coulomb's law: what the body's
 /// push changes of the motion along the normal, friction changes by at most so many times that of
 /// the motion across. For the velocity the same law holds by itself, however a method makes
-/// positions of velocities: contact is inelastic.
+/// positions of velocities. Motion is that beside the body's own, where that moves. A node that has
+/// come with some speed along the normal leaves with its collider's coefficient of restitution
+/// times that (Newton's law; Moreau's rule: what rests has come with none).
 ///
-/// A node whose path through the step leads into a body on another side than the one where it is
-/// nearest to the surface in the end, or right through a part of it, is stopped where it came in.
+/// A node whose path through the step, as the body sees it, leads into a body on another side than
+/// the one where it is nearest to the surface in the end, or right through a part of it, is stopped
+/// where it came in.
 ///
 /// Nodes move as far as constraints leave them free; those that are held along a body's normal
 /// pass: they are where the scene wants them.
@@ -60,18 +64,23 @@ class DEFORM_API ColliderContact {
 
   [[nodiscard]] std::size_t bodies() const;
   /// Puts nodes that `after` has inside of a collider, or on the other side of one than they were
-  /// at `before` (N × 3), `step` seconds earlier, on its surface, with friction; their velocities
-  /// become those after an inelastic impact. What constraints hold of a node stays. Returns which
-  /// nodes, ascending.
-  std::vector<Index> resolve(const NodeVectors& before, double step, State& after) const;
-  /// The nodes whose gap to a collider is less than `within` [m] at a time, were they at `r`,
-  /// having come from `from` (both N × 3); each collider by itself, nodes ascending.
-  void find(double time, const NodeVectors& from, const NodeVectors& r, double within,
-            std::vector<NodeContact>& found) const;
-  /// Makes velocities at a state, which a step of so many seconds ends with, those that contact
-  /// leaves: a node does not move into a collider, nor away from it by a push alone, and what
-  /// slides is slowed by friction × push. `impulses`: what the velocities know of it.
-  void settle(double step, const std::vector<ContactImpulse>& impulses, State& state) const;
+  /// at `before`, `step` seconds earlier, on its surface, with friction; their velocities become
+  /// those after an impact. What constraints hold of a node stays. Returns the impulses on
+  /// velocities, by collider, nodes ascending.
+  std::vector<ContactImpulse> resolve(const State& before, double step, State& after) const;
+  /// The nodes whose gap to a collider is less than `within` [m] at the paths' end; each collider
+  /// by itself, nodes ascending.
+  void find(const NodePaths& paths, double within, std::vector<NodeContact>& found) const;
+  /// Makes velocities at the end of a step of so many seconds, which began with `before`, those
+  /// that contact leaves: a node does not move into a collider, nor away from it by more than a
+  /// push and restitution let it, and what slides is slowed by friction × push. `impulses`: what
+  /// the velocities know of it already; made what they know in the end.
+  void settle(const State& before, double step, std::vector<ContactImpulse>& impulses,
+              State& after) const;
+  /// For one body: where nodes that are at r (N × 3) at a time were, or will be, at another one, if
+  /// they moved with it [m]; false where it does not move.
+  [[nodiscard]] bool carry(std::size_t body, double from, double to, const NodeVectors& r,
+                           NodeVectors& carried) const;
   /// (M) Distance of points (M × 3) to the nearest collider at a time, negative inside [m];
   /// infinite where there is none.
   [[nodiscard]] NodeValues clearance(double time, const NodeVectors& points) const;

@@ -22,9 +22,11 @@ struct Stage {
   NodeVectors v_base;  ///< (N × 3) [m/s]
   double tau = 0;      ///< [s]
   double time = 0;     ///< of the stage [s]
-  /// Where the step began (N × 3) [m], and when it ends [s], at start + reach (r − start): there
-  /// colliders are felt, and what slid along them since the start is resisted by friction.
+  /// Where the step began (N × 3) [m], when it did, and when it ends [s], at start + reach (r −
+  /// start): there colliders are felt, and what slid along them since the start is resisted by
+  /// friction.
   NodeVectors start;
+  double begin = 0;
   double end = 0;
   double reach = 1;
   /// How materials' damping takes strain rates: as (T − T_b)/τ with T_b = (1 − s) T(start) +
@@ -89,12 +91,21 @@ class DEFORM_API ImplicitStage {
   /// Nodes in active contact in the last solution, ascending; one that two colliders push is there
   /// twice.
   [[nodiscard]] std::vector<Index> active_contacts() const;
-  /// Makes velocities at the end of a step whose stage was solved those that contact leaves: as
-  /// formulas of several points in time have them, what was stopped within the step would go on, or
-  /// back.
-  void settle(const System& system, const Stage& stage, double step, State& end) const;
+  /// Makes velocities at the end of a step of so many seconds, which began with `before` and whose
+  /// stage was solved, those that contact leaves: as formulas of several points in time have them,
+  /// what was stopped within the step would go on, or back. Returns contact's impulses in the step,
+  /// for its report.
+  [[nodiscard]] std::vector<ContactImpulse> settle(const System& system, const Stage& stage,
+                                                   const State& before, double step,
+                                                   State& end) const;
   /// False where colliders are left to ColliderContact::resolve.
   [[nodiscard]] bool resolves_contacts() const;
+
+  /// Contact's impulses on velocities within the stage that was solved.
+  [[nodiscard]] std::vector<ContactImpulse> impulses(const System& system,
+                                                     const Stage& stage) const;
+  /// From now on (StageSettings::tolerance).
+  void set_tolerance(double tolerance);
 
   /// Contact forces that the next solution starts from.
   void save(Memory& memory) const;

@@ -29,9 +29,10 @@ struct Named {
 /// A collider with what holds for contact with it.
 struct Body {
   Named<Collider> collider;
-  double friction = 0;   ///< Coulomb's coefficient
-  double thickness = 0;  ///< distance that nodes keep [m]
-  std::string pointer;   ///< where the scene says so
+  double friction = 0;     ///< Coulomb's coefficient
+  double thickness = 0;    ///< distance that nodes keep [m]
+  double restitution = 0;  ///< part of the speed of approach that an impact gives back
+  std::string pointer;     ///< where the scene says so
 };
 
 /// Makes a fresh object of each linear solver to choose from (one, where the scene names it).

@@ -3,11 +3,16 @@
 
 #include <vector>
 
+#include "deform/solve/contact_report.h"
+
 namespace deform {
 
 /// What an iterative integrator's last step took.
 struct StepReport {
-  long iterations = 0;            ///< of Newton's method, all substeps together
+  long iterations = 0;  ///< of Newton's method, all substeps together
+  /// Of them with the projected tangent, as the exact one was not positive definite (buckling);
+  /// with the Jacobian of all forces (forces that turn); how often contact became another one.
+  long projected = 0, with_jacobian = 0, contact_changes = 0;
   long solver_iterations = 0;     ///< of the linear solver, where it is iterative
   long substeps = 1;              ///< of time or of load
   long rejected = 0;              ///< substeps that were tried and given up
@@ -18,6 +23,7 @@ struct StepReport {
   /// Change of the incremental potential over the last substep [J]: never positive; not a number
   /// where some force has no potential.
   double potential_change = 0;
+  ContactReport contact;
 };
 
 }  // namespace deform

@@ -4,9 +4,11 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "deform/export.h"
 #include "deform/plugin/declaration.h"
+#include "deform/solve/contact_report.h"
 #include "deform/solve/integrator.h"
 
 namespace deform {
@@ -62,6 +64,8 @@ class DEFORM_API SteppedIntegrator : public Integrator {
     /// (N × 3) estimate of the step's local error in r [m]; empty where there is none.
     NodeVectors error;
     bool resolved_contacts = false;  ///< else the framework amends the step's end
+    /// Of contact in the step, where that was resolved (ImplicitStage::settle), for its report.
+    std::vector<ContactImpulse> contact{};
   };
   /// Makes `to` the state `step` seconds after `from`, prescribed components where constraints say.
   /// May throw what a System throws; that counts as failure, if another step may help.
@@ -96,7 +100,9 @@ class DEFORM_API SteppedIntegrator : public Integrator {
   /// Tries once, with `to` amended by colliders; never throws what a shorter step may mend.
   [[nodiscard]] Attempt try_step(System& system, const State& from, double step, State& to);
   void shorten(double& step, double wanted, const std::string& why);
-  void count(System& system, double step);
+  /// A try was taken: its steps and its contact go into the step's report.
+  static void count(System& system, const State& from, const State& to, double step,
+                    const Attempt& attempt);
   [[nodiscard]] static double error_of(const System& system, NodeVectors error);
   void require_last_step() const;
   void interpolate(const System& system, double time, State& state) const;

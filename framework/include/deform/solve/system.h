@@ -14,7 +14,7 @@
 #include "deform/solve/model_parts.h"
 #include "deform/solve/state.h"
 #include "deform/solve/step_report.h"
-#include "deform/solve/term_probe.h"
+#include "deform/solve/term_evaluator.h"
 #include "deform/surface/surface.h"
 #include "deform/types.h"
 
@@ -47,7 +47,7 @@ class DEFORM_API System {
   [[nodiscard]] const std::vector<Named<EnergyTerm>>& energies() const;
 
   [[nodiscard]] const Evaluator& evaluator() const;
-  [[nodiscard]] const TermProbe& terms() const;
+  [[nodiscard]] const TermEvaluator& terms() const;
   [[nodiscard]] const ConstraintSet& constraints() const;
   [[nodiscard]] const ColliderContact& contact() const;
   [[nodiscard]] const MassMatrix& mass_matrix() const;

@@ -6,7 +6,7 @@
 #include "solve/assembly/all_forces.h"
 #include "solve/assembly/assembly.h"
 #include "solve/assembly/averaged_strains.h"
-#include "solve/assembly/guilty_part.h"
+#include "solve/assembly/part_forces.h"
 #include "solve/assembly/step_strains_impl.h"
 #include "solve/assembly/term_energy.h"
 #include "solve/stopwatch.h"

@@ -35,6 +35,7 @@ constexpr int kMostTurns = 50;
 constexpr double kBalanced = 1e-13;
 /// More colliders than any scene has.
 constexpr std::size_t kMostBodies = 1 << 20;
+constexpr std::size_t kMostNodes = std::size_t{1} << 40;
 
 const std::vector<double>& finite_numbers(const Memory& memory, const std::string& name) {
   const auto entry = memory.entries().find(name);
@@ -72,6 +73,13 @@ void ActiveContacts::begin(const ColliderContact& contact, const Stage& stage, d
   predicted_.clear();
   planes_.clear();
   at_ = stage.start;
+  carried_.resize(contact.bodies());
+  for (std::size_t b = 0; b < contact.bodies(); ++b) {
+    if (contact.carry(b, stage.begin, stage.end, stage.start, carried_[b]))
+      carried_[b] -= stage.start;
+    else
+      carried_[b].resize(0, 3);
+  }
   std::erase_if(friction_, [](const Friction& f) { return f.ends; });
   for (Friction& f : friction_) {
     if (f.body >= contact.bodies() || f.node >= at_.rows())
@@ -86,7 +94,7 @@ NodeVectors ActiveContacts::end_of(const NodeVectors& r) const {
 
 void ActiveContacts::find(const NodeVectors& end, double within,
                           std::vector<NodeContact>& found) const {
-  contact_->find(stage_->end, end, end, within, found);
+  contact_->find({stage_->end, end, stage_->end, end}, within, found);
   if (planes_.empty()) return;
   std::erase_if(found, [&](const NodeContact& c) {
     return std::ranges::binary_search(planes_, place_of(c), {}, &Plane::place);
@@ -114,10 +122,16 @@ ActiveContacts::Friction ActiveContacts::friction_of(const NodeContact& c, doubl
           .limit = c.friction * force};
 }
 
+/// u_T at positions r of the stage.
+Vec3 ActiveContacts::slid(const Friction& f, const NodeVectors& r) const {
+  Vec3 moved = stage_->reach * (r.row(f.node) - stage_->start.row(f.node)).transpose();
+  if (carried_[f.body].rows() > 0) moved -= carried_[f.body].row(f.node).transpose();
+  return f.sliding * moved;
+}
+
 /// T̂ − κ u_T at positions r of the stage.
 Vec3 ActiveContacts::trial_of(const Friction& f, const NodeVectors& r) const {
-  const Vec3 moved = (r.row(f.node) - stage_->start.row(f.node)).transpose();
-  return f.kept - friction_penalty_[f.node] * (f.sliding * (stage_->reach * moved));
+  return f.kept - friction_penalty_[f.node] * slid(f, r);
 }
 
 void ActiveContacts::act(Friction& f, const NodeVectors& r) const {
@@ -290,7 +304,7 @@ void ActiveContacts::drop_predicted() {
 
 bool ActiveContacts::add_planes(const NodeVectors& end) {
   std::vector<NodeContact> near;
-  contact_->find(stage_->end, stage_->start, end, touching_, near);
+  contact_->find({stage_->begin, stage_->start, stage_->end, end}, touching_, near);
   const auto known = static_cast<std::ptrdiff_t>(planes_.size());
   for (const NodeContact& c : near) {
     const auto begin = planes_.begin();
@@ -376,12 +390,14 @@ void ActiveContacts::save(Memory& memory) const {
     all.insert(all.end(), f.kept.begin(), f.kept.end());
   }
   memory.put("contact.friction", std::move(all));
+  memory.put("contact.nodes", {static_cast<double>(at_.rows())});
 }
 
 void ActiveContacts::load(const Memory& memory) {
-  const auto last = memory.entries().find("last.r");  // of the step that they are of
-  const std::size_t nodes = last == memory.entries().end() ? 0 : last->second.size() / 3;
-  load_friction(finite_numbers(memory, "contact.friction"), nodes);
+  const double nodes = memory.get("contact.nodes", 1).front();
+  if (!is_number_below(nodes, kMostNodes))
+    throw InputError(fmt::format("the checkpoint's \"contact.nodes\" is {:g}", nodes));
+  load_friction(finite_numbers(memory, "contact.friction"), static_cast<std::size_t>(nodes));
 }
 
 void ActiveContacts::load_friction(const std::vector<double>& all, std::size_t nodes) {

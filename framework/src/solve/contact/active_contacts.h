@@ -15,9 +15,9 @@ namespace deform {
 /// A stage's positions r minimise its incremental potential Φ + D subject to gap ≥ 0 at the stage's
 /// end. D is friction's: an augmented Lagrangian of Coulomb's law (Alart & Curnier 1991; Simo &
 /// Laursen 1992), whose force T on a node is what is within the disk of radius μ N̂ nearest to
-/// T̂ − κ u_T, u_T being how far the node slid since the step began, across the normal and as far as
-/// nothing prescribes where it goes. T̂ and the normal force N̂ are kept while Φ + D is minimised,
-/// and then made T and N until nothing changes: then the law holds exactly, whatever κ.
+/// T̂ − κ u_T, u_T being how far the node slid on the body since the step began, across the normal
+/// and as far as nothing prescribes where it goes. T̂ and the normal force N̂ are kept while Φ + D is
+/// minimised, and then made T and N until nothing changes: then the law holds exactly, whatever κ.
 ///
 /// Normal forces are no unknowns. Iterates are always admissible: nodes that a step would take into
 /// a body are put on its surface (Bertsekas 1982, projected Newton methods), and a touching node's
@@ -73,8 +73,7 @@ class ActiveContacts {
   void forget_impacts(const Stage& stage, const NodeValues& mass);
 
   void save(Memory& memory) const;
-  /// Throws InputError where a number cannot be one that was saved. "last.r" of the memory:
-  /// positions of the step that they are of.
+  /// Throws InputError where a number cannot be one that was saved.
   void load(const Memory& memory);
   void forget() { friction_.clear(); }
 
@@ -115,6 +114,7 @@ class ActiveContacts {
   void find(const NodeVectors& end, double within, std::vector<NodeContact>& found) const;
   [[nodiscard]] Friction friction_of(const NodeContact& c, double force) const;
   [[nodiscard]] Eigen::Matrix3d sliding(Index node, const Vec3& n) const;
+  [[nodiscard]] Vec3 slid(const Friction& f, const NodeVectors& r) const;
   [[nodiscard]] Vec3 trial_of(const Friction& f, const NodeVectors& r) const;
   /// Makes f's force that at positions r.
   void act(Friction& f, const NodeVectors& r) const;
@@ -127,11 +127,12 @@ class ActiveContacts {
 
   const ColliderContact* contact_ = nullptr;
   const Stage* stage_ = nullptr;
-  double touching_ = 0;                                   // what is nearer touches [m]
-  std::vector<Normal> normal_;                            // by place
-  std::vector<Friction> friction_;                        // by place
-  std::vector<Plane> planes_;                             // by place
-  NodeVectors at_;                                        // positions of the last `react`
+  double touching_ = 0;               // what is nearer touches [m]
+  std::vector<Normal> normal_;        // by place
+  std::vector<Friction> friction_;    // by place
+  std::vector<Plane> planes_;         // by place
+  std::vector<NodeVectors> carried_;  // displacements by each body; empty where it stays [m]
+  NodeVectors at_;                    // positions of the last `react`
   std::vector<std::pair<std::size_t, Index>> predicted_;  // to touch, in the last direction
   double farthest_ = 0;                                   // that it would move a node [m]
   NodeValues penalty_, friction_penalty_;                 // of each node [N/m]

@@ -45,12 +45,10 @@ bool is_tied(const Mobility& mobility, Index node) {
 struct ColliderContact::Impl {
   Impl(std::vector<Body> of, Index nodes, const ReductionMap& map);
 
-  /// Amends `after`, which a step of so many seconds made of `before` (N × 3). Returns the nodes
-  /// that it amended, ascending.
-  std::vector<Index> resolve(const NodeVectors& before, double step, State& after) const;
-  void find(double time, const NodeVectors& from, const NodeVectors& r, double within,
-            std::vector<NodeContact>& found) const;
-  void settle(double step, const std::vector<ContactImpulse>& impulses, State& state) const;
+  std::vector<ContactImpulse> resolve(const State& before, double step, State& after) const;
+  void find(const NodePaths& paths, double within, std::vector<NodeContact>& found) const;
+  void settle(const State& before, double step, std::vector<ContactImpulse>& impulses,
+              State& after) const;
   /// (M) Distance of points (M × 3) to the nearest body at a time, negative inside [m]; infinite
   /// where there is no body.
   [[nodiscard]] NodeValues clearance(double time, const NodeVectors& points) const;
@@ -61,25 +59,31 @@ struct ColliderContact::Impl {
   /// Distances of points to one body and the normals there; refuses what is not finite.
   void measure(const Body& body, double time, const NodeVectors& points, NodeValues& distance,
                NodeVectors& normal) const;
-  /// Of paths from → to, at whose ends distances and normals are known: where those come in that
-  /// have crossed the body, or its side. The body is where it is at that time.
-  [[nodiscard]] std::vector<EntryPlane> crossings(const Body& body, double time,
-                                                  const NodeVectors& from, const NodeVectors& to,
+  /// As Collider::carry.
+  [[nodiscard]] bool carry(const Body& body, double from, double to, const NodeVectors& points,
+                           NodeVectors& carried) const;
+  /// Of paths, at whose ends distances and normals are known: where those come in that have crossed
+  /// the body, or its side. The body is where it is at their end, and the paths are as it sees
+  /// them.
+  [[nodiscard]] std::vector<EntryPlane> crossings(const Body& body, const NodePaths& paths,
                                                   const NodeValues& distance,
                                                   const NodeVectors& normal) const;
   /// Whether a path may lead through a body that its end is `gap` away from.
   [[nodiscard]] bool may_cross(const Body& body, Index node, const Vec3& from, const Vec3& to,
                                double gap, const Vec3& normal) const;
-  /// Gap and normal of each movable node, in turn, that is nearer to a body than `within`.
+  /// Gap and normal of each movable node, in turn, that is nearer to a body than `within` at the
+  /// paths' end.
   template <class Visit>
-  void visit_near(const Body& body, double time, const NodeVectors& from, const NodeVectors& r,
-                  double within, const Visit& visit) const;
-  /// Returns which nodes were inside.
-  std::vector<Index> resolve(std::size_t body, const NodeVectors& before, double step,
-                             State& after) const;
-  /// How fast each impulse's body has moved along the normal there [m/s].
-  [[nodiscard]] std::vector<double> speeds(double step, const std::vector<ContactImpulse>& impulses,
-                                           const State& state) const;
+  void visit_near(const Body& body, const NodePaths& paths, double within,
+                  const Visit& visit) const;
+  /// The impulses of one body.
+  std::vector<ContactImpulse> resolve(std::size_t body, const State& before, double step,
+                                      State& after) const;
+  /// What there is to settle of some impulses, whose nodes have come with velocities v (N × 3).
+  [[nodiscard]] std::vector<Grip> grips(double step, const std::vector<ContactImpulse>& impulses,
+                                        const NodeVectors& v, const State& state) const;
+  void add_motion(const Body& body, double step, const NodeVectors& points, double time,
+                  const std::vector<std::size_t>& of_body, std::vector<Grip>& grips) const;
 
   std::vector<Body> bodies;
   std::vector<bool> is_convex;
@@ -119,11 +123,25 @@ bool ColliderContact::Impl::may_cross(const Body& body, Index node, const Vec3& 
   return !convex || normal.dot(from - to) + gap < -kOnPlane * std::sqrt(square);
 }
 
-std::vector<EntryPlane> ColliderContact::Impl::crossings(const Body& body, double time,
-                                                         const NodeVectors& from,
-                                                         const NodeVectors& to,
+bool ColliderContact::Impl::carry(const Body& body, double from, double to,
+                                  const NodeVectors& points, NodeVectors& carried) const {
+  carried.resize(points.rows(), 3);
+  const bool moves = guarded(body.collider.origin, "saying where it carries points", [&] {
+    return body.collider.object->carry(from, to, points.rows(), rows_from(points, 0),
+                                       rows_from(carried, 0));
+  });
+  if (moves) require_finite(carried, "a place", body.collider.origin, body.collider.name);
+  return moves;
+}
+
+std::vector<EntryPlane> ColliderContact::Impl::crossings(const Body& body, const NodePaths& paths,
                                                          const NodeValues& distance,
                                                          const NodeVectors& normal) const {
+  if (&paths.from == &paths.to) return {};  // nothing has moved
+  NodeVectors carried;
+  const bool moves =
+      paths.begin != paths.end && carry(body, paths.begin, paths.end, paths.from, carried);
+  const NodeVectors &from = moves ? carried : paths.from, &to = paths.to;
   std::vector<Index> nodes;
   for (Index a = 0; a < to.rows(); ++a)
     if (may_cross(body, a, from.row(a).transpose(), to.row(a).transpose(),
@@ -131,7 +149,7 @@ std::vector<EntryPlane> ColliderContact::Impl::crossings(const Body& body, doubl
       nodes.push_back(a);
   if (nodes.empty()) return {};
   const PathBody seen{[&](const NodeVectors& points, NodeValues& gap, NodeVectors& n) {
-                        measure(body, time, points, gap, n);
+                        measure(body, paths.end, points, gap, n);
                         gap.array() -= body.thickness;
                       },
                       is_convex[static_cast<std::size_t>(&body - bodies.data())]};
@@ -151,13 +169,13 @@ std::vector<EntryPlane> ColliderContact::Impl::crossings(const Body& body, doubl
 }
 
 template <class Visit>
-void ColliderContact::Impl::visit_near(const Body& body, double time, const NodeVectors& from,
-                                       const NodeVectors& r, double within,
+void ColliderContact::Impl::visit_near(const Body& body, const NodePaths& paths, double within,
                                        const Visit& visit) const {
+  const NodeVectors& r = paths.to;
   NodeValues distance;
   NodeVectors normal;
-  measure(body, time, r, distance, normal);
-  const std::vector<EntryPlane> entries = crossings(body, time, from, r, distance, normal);
+  measure(body, paths.end, r, distance, normal);
+  const std::vector<EntryPlane> entries = crossings(body, paths, distance, normal);
   auto entry = entries.begin();
   for (Index a = 0; a < r.rows(); ++a) {
     double gap = distance[a] - body.thickness;
@@ -173,84 +191,107 @@ void ColliderContact::Impl::visit_near(const Body& body, double time, const Node
   }
 }
 
-std::vector<Index> ColliderContact::Impl::resolve(const NodeVectors& before, double step,
-                                                  State& after) const {
-  std::vector<Index> all;
+std::vector<ContactImpulse> ColliderContact::Impl::resolve(const State& before, double step,
+                                                           State& after) const {
+  std::vector<ContactImpulse> all;
   for (int round = 0; round < kMostRounds; ++round) {
     bool any = false;
     for (std::size_t body = 0; body < bodies.size(); ++body) {
-      const std::vector<Index> touched = resolve(body, before, step, after);
-      any = any || !touched.empty();
-      all.insert(all.end(), touched.begin(), touched.end());
+      const std::vector<ContactImpulse> impulses = resolve(body, before, step, after);
+      any = any || !impulses.empty();
+      all.insert(all.end(), impulses.begin(), impulses.end());
     }
     if (!any || (bodies.size() == 1 && !mobility.has_ties())) break;
   }
-  std::ranges::sort(all);
-  all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
 
-std::vector<Index> ColliderContact::Impl::resolve(std::size_t body, const NodeVectors& before,
-                                                  double step, State& after) const {
-  std::vector<Index> touched;
+std::vector<ContactImpulse> ColliderContact::Impl::resolve(std::size_t body, const State& before,
+                                                           double step, State& after) const {
+  NodeVectors earlier;  // where nodes would have been, had they moved with the body
+  const bool moves = carry(bodies[body], after.time, after.time - step, after.r, earlier);
   std::vector<ContactImpulse> impulses;
-  std::vector<std::pair<Index, Vec3>> moves;  // per node, of the unknowns that it follows
-  visit_near(bodies[body], after.time, before, after.r, 0,
+  std::vector<std::pair<Index, Vec3>> moves_of;  // per node, of the unknowns that it follows
+  visit_near(bodies[body], {after.time - step, before.r, after.time, after.r}, 0,
              [&](Index a, double gap, const Vec3& n, double /*mobility*/, bool /*crossed*/) {
-               Vec3 moved = (after.r.row(a) - before.row(a)).transpose();
+               Vec3 moved = (after.r.row(a) - before.r.row(a)).transpose();
                Grip grip{
                    .normal = n, .friction = bodies[body].friction, .least = moved.dot(n) - gap};
-               moves.emplace_back(a, settle_motion(mobility, a, {&grip, 1}, moved));
+               if (moves) grip.carried = (after.r.row(a) - earlier.row(a)).transpose();
+               moves_of.emplace_back(a, settle_motion(mobility, a, {&grip, 1}, moved));
                impulses.push_back({.node = a, .body = body, .normal = n});
-               touched.push_back(a);
              });
   // What is tied to nodes that are pushed out may come out with them: its turn is the next.
-  const auto is_other = [&](Index node) { return is_tied(mobility, node); };
-  if (mobility.has_ties() && !std::ranges::all_of(touched, is_other)) {
-    std::erase_if(moves, [&](const auto& move) { return is_other(move.first); });
-    std::erase_if(impulses, [&](const ContactImpulse& i) { return is_other(i.node); });
+  const auto is_other = [&](const auto& move) { return is_tied(mobility, move.first); };
+  if (mobility.has_ties() && !std::ranges::all_of(moves_of, is_other)) {
+    std::erase_if(moves_of, is_other);
+    std::erase_if(impulses, [&](const ContactImpulse& i) { return is_tied(mobility, i.node); });
   }
-  for (const auto& [node, move] : moves) mobility.add(node, move, after.r);
-  if (!touched.empty() && mobility.has_ties()) mobility.map().complete_positions(after.r);
-  settle(step, impulses, after);
-  return touched;
+  for (const auto& [node, move] : moves_of) mobility.add(node, move, after.r);
+  if (!impulses.empty() && mobility.has_ties()) mobility.map().complete_positions(after.r);
+  settle(before, step, impulses, after);
+  return impulses;
 }
 
-void ColliderContact::Impl::find(double time, const NodeVectors& from, const NodeVectors& r,
-                                 double within, std::vector<NodeContact>& found) const {
+void ColliderContact::Impl::find(const NodePaths& paths, double within,
+                                 std::vector<NodeContact>& found) const {
   found.clear();
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    visit_near(bodies[b], time, from, r, within,
+    visit_near(bodies[b], paths, within,
                [&](Index a, double gap, const Vec3& n, double along, bool crossed) {
                  found.push_back({a, b, gap, n, bodies[b].friction, along, crossed});
                });
 }
 
-std::vector<double> ColliderContact::Impl::speeds(double step,
-                                                  const std::vector<ContactImpulse>& impulses,
-                                                  const State& state) const {
-  std::vector<double> speeds(impulses.size());
+std::vector<Grip> ColliderContact::Impl::grips(double step,
+                                               const std::vector<ContactImpulse>& impulses,
+                                               const NodeVectors& v, const State& state) const {
+  std::vector<Grip> grips;
+  for (const ContactImpulse& i : impulses)
+    grips.push_back({.normal = i.normal,
+                     .friction = bodies[i.body].friction,
+                     .normal_impulse = i.normal_impulse,
+                     .friction_impulse = i.friction_impulse});
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     std::vector<std::size_t> of_body;
-    for (std::size_t i = 0; i < impulses.size(); ++i)
-      if (impulses[i].body == b) of_body.push_back(i);
+    for (std::size_t k = 0; k < impulses.size(); ++k)
+      if (impulses[k].body == b) of_body.push_back(k);
     if (of_body.empty()) continue;
-    NodeVectors points(static_cast<Index>(of_body.size()), 3), normal;
+    NodeVectors points(static_cast<Index>(of_body.size()), 3);
     for (std::size_t k = 0; k < of_body.size(); ++k)
       points.row(static_cast<Index>(k)) = state.r.row(impulses[of_body[k]].node);
-    NodeValues now, earlier;
-    measure(bodies[b], state.time, points, now, normal);
-    measure(bodies[b], state.time - step, points, earlier, normal);
-    for (std::size_t k = 0; k < of_body.size(); ++k)
-      speeds[of_body[k]] = (earlier[static_cast<Index>(k)] - now[static_cast<Index>(k)]) / step;
+    add_motion(bodies[b], step, points, state.time, of_body, grips);
+    for (const std::size_t k : of_body) {
+      const double approach =
+          grips[k].least - grips[k].normal.dot(Vec3(v.row(impulses[k].node).transpose()));
+      grips[k].least += bodies[b].restitution * std::max(approach, 0.0);
+    }
   }
-  return speeds;
+  return grips;
 }
 
-void ColliderContact::Impl::settle(double step, const std::vector<ContactImpulse>& impulses,
-                                   State& state) const {
+/// A body's velocity at points that its contacts `of_body` are at: along the normal that of its
+/// surface, across it that of what it carries.
+void ColliderContact::Impl::add_motion(const Body& body, double step, const NodeVectors& points,
+                                       double time, const std::vector<std::size_t>& of_body,
+                                       std::vector<Grip>& grips) const {
+  NodeValues now, before;
+  NodeVectors normal, earlier;
+  measure(body, time, points, now, normal);
+  measure(body, time - step, points, before, normal);
+  const bool moves = carry(body, time, time - step, points, earlier);
+  for (std::size_t k = 0; k < of_body.size(); ++k) {
+    const auto row = static_cast<Index>(k);
+    Grip& grip = grips[of_body[k]];
+    grip.least = (before[row] - now[row]) / step;
+    if (moves) grip.carried = (points.row(row) - earlier.row(row)).transpose() / step;
+  }
+}
+
+void ColliderContact::Impl::settle(const State& before, double step,
+                                   std::vector<ContactImpulse>& impulses, State& after) const {
   if (impulses.empty()) return;
-  const std::vector<double> speed = speeds(step, impulses, state);
+  const std::vector<Grip> all = grips(step, impulses, before.v, after);
   std::vector<std::size_t> by_node(impulses.size());
   std::iota(by_node.begin(), by_node.end(), std::size_t{0});
   const auto node_of = [&](std::size_t i) { return impulses[i].node; };
@@ -259,20 +300,21 @@ void ColliderContact::Impl::settle(double step, const std::vector<ContactImpulse
   if (mobility.has_ties())
     std::stable_partition(by_node.begin(), by_node.end(),
                           [&](std::size_t i) { return !is_tied(mobility, node_of(i)); });
-  std::vector<Grip> grips;
-  for (std::size_t k = 0; k < by_node.size();) {
+  std::vector<Grip> of_node;
+  for (std::size_t k = 0, end = 0; k < by_node.size(); k = end) {
     const Index node = node_of(by_node[k]);
-    grips.clear();
-    for (; k < by_node.size() && node_of(by_node[k]) == node; ++k) {
-      const ContactImpulse& i = impulses[by_node[k]];
-      grips.push_back({i.normal, bodies[i.body].friction, speed[by_node[k]], i.normal_impulse,
-                       i.friction_impulse});
+    of_node.clear();
+    for (end = k; end < by_node.size() && node_of(by_node[end]) == node; ++end)
+      of_node.push_back(all[by_node[end]]);
+    if (mobility.has_ties() && is_tied(mobility, node)) mobility.map().complete_changes(after.v);
+    Vec3 v = after.v.row(node).transpose();
+    mobility.add(node, settle_motion(mobility, node, of_node, v), after.v);
+    for (std::size_t i = k; i < end; ++i) {
+      impulses[by_node[i]].normal_impulse = of_node[i - k].normal_impulse;
+      impulses[by_node[i]].friction_impulse = of_node[i - k].friction_impulse;
     }
-    if (mobility.has_ties() && is_tied(mobility, node)) mobility.map().complete_changes(state.v);
-    Vec3 v = state.v.row(node).transpose();
-    mobility.add(node, settle_motion(mobility, node, grips, v), state.v);
   }
-  if (mobility.has_ties()) mobility.map().complete_changes(state.v);
+  if (mobility.has_ties()) mobility.map().complete_changes(after.v);
 }
 
 NodeValues ColliderContact::Impl::clearance(double time, const NodeVectors& points) const {
@@ -319,17 +361,21 @@ ColliderContact::ColliderContact(std::vector<Body> bodies, Index nodes, const Re
 ColliderContact::~ColliderContact() = default;
 std::size_t ColliderContact::bodies() const { return impl_->bodies.size(); }
 const Mobility& ColliderContact::mobility() const { return impl_->mobility; }
-std::vector<Index> ColliderContact::resolve(const NodeVectors& before, double step,
-                                            State& after) const {
+std::vector<ContactImpulse> ColliderContact::resolve(const State& before, double step,
+                                                     State& after) const {
   return impl_->resolve(before, step, after);
 }
-void ColliderContact::find(double time, const NodeVectors& from, const NodeVectors& r,
-                           double within, std::vector<NodeContact>& found) const {
-  impl_->find(time, from, r, within, found);
+void ColliderContact::find(const NodePaths& paths, double within,
+                           std::vector<NodeContact>& found) const {
+  impl_->find(paths, within, found);
 }
-void ColliderContact::settle(double step, const std::vector<ContactImpulse>& impulses,
-                             State& state) const {
-  impl_->settle(step, impulses, state);
+void ColliderContact::settle(const State& before, double step,
+                             std::vector<ContactImpulse>& impulses, State& after) const {
+  impl_->settle(before, step, impulses, after);
+}
+bool ColliderContact::carry(std::size_t body, double from, double to, const NodeVectors& r,
+                            NodeVectors& carried) const {
+  return impl_->carry(impl_->bodies[body], from, to, r, carried);
 }
 NodeValues ColliderContact::clearance(double time, const NodeVectors& points) const {
   return impl_->clearance(time, points);

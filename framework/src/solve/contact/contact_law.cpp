@@ -21,7 +21,7 @@ Vec3 settle_one(const Mobility& mobility, Index node, Grip& grip, Vec3& motion) 
       std::max(-grip.normal_impulse, (grip.least - motion.dot(n)) / mobility.along(node, n));
   grip.normal_impulse += more;
   motion += mobility.response(node, more * n);
-  const Vec3 slip = mobility.sliding(node, n, motion);
+  const Vec3 slip = mobility.sliding(node, n, motion - grip.carried);
   Vec3 friction = grip.friction_impulse - slip / mobility.bound(node);
   const double limit = grip.friction * grip.normal_impulse, length = friction.norm();
   if (length > limit) friction *= limit / length;

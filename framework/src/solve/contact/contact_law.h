@@ -72,9 +72,10 @@ class Mobility {
 /// velocity [m/s], or displacement within a step [m]; impulses are per mass, in the same unit.
 struct Grip {
   Vec3 normal = Vec3::UnitZ();
-  double friction = 0;        ///< Coulomb's coefficient
-  double least = 0;           ///< of the motion along the normal
-  double normal_impulse = 0;  ///< along the normal, never negative
+  double friction = 0;          ///< Coulomb's coefficient
+  double least = 0;             ///< of the motion along the normal
+  Vec3 carried = Vec3::Zero();  ///< the body's own motion: friction is about what is beside it
+  double normal_impulse = 0;    ///< along the normal, never negative
   Vec3 friction_impulse = Vec3::Zero();
 };
 

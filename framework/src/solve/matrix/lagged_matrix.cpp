@@ -8,9 +8,9 @@
 
 #include "not_finite.h"
 #include "solve/assembly/all_forces.h"
-#include "solve/assembly/guilty_part.h"
+#include "solve/assembly/part_forces.h"
 #include "solve/assembly/symmetry.h"
-#include "solve/matrix/reduced_solver.h"
+#include "solve/matrix/lagged_solver.h"
 #include "solve/stopwatch.h"
 #include "solve/system_parts.h"
 
@@ -38,7 +38,7 @@ struct LaggedMatrix::Impl {
   NodeValues stiffness, damping;  // of force fields
   State at;                       // of an evaluation whose symmetry is looked at
   long version = 0;               // of its values
-  std::optional<ReducedSolver> solver;
+  std::optional<LaggedSolver> solver;
 };
 
 LaggedMatrix::LaggedMatrix(const System& system)

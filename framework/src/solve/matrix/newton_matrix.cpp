@@ -9,7 +9,7 @@
 
 #include "not_finite.h"
 #include "profile/profile.h"
-#include "solve/assembly/guilty_part.h"
+#include "solve/assembly/part_forces.h"
 #include "solve/assembly/step_strains_impl.h"
 #include "solve/matrix/growing_pattern.h"
 #include "solve/matrix/lowest_eigenvalue.h"

@@ -111,10 +111,26 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
 std::vector<Index> ImplicitStage::active_contacts() const {
   return impl_->objective.contacts().active_nodes();
 }
-void ImplicitStage::settle(const System& system, const Stage& stage, double step,
-                           State& end) const {
-  if (!impl_->objective.has_contacts()) return;
-  system.contact().settle(step, impl_->objective.contacts().impulses(stage, system.mass()), end);
+std::vector<ContactImpulse> ImplicitStage::impulses(const System& system,
+                                                    const Stage& stage) const {
+  if (!impl_->objective.has_contacts()) return {};
+  return impl_->objective.contacts().impulses(stage, system.mass());
+}
+void ImplicitStage::set_tolerance(double tolerance) { impl_->settings.tolerance = tolerance; }
+std::vector<ContactImpulse> ImplicitStage::settle(const System& system, const Stage& stage,
+                                                  const State& before, double step,
+                                                  State& end) const {
+  if (!impl_->objective.has_contacts()) return {};
+  const std::vector<ContactImpulse> known = this->impulses(system, stage);
+  std::vector<ContactImpulse> impulses = known;
+  system.contact().settle(before, step, impulses, end);
+  // The stage's forces act for the whole step, whatever part of it velocities know.
+  const double more = step / (stage.reach * stage.tau) - 1;
+  for (std::size_t i = 0; i < impulses.size(); ++i) {
+    impulses[i].normal_impulse += more * known[i].normal_impulse;
+    impulses[i].friction_impulse += more * known[i].friction_impulse;
+  }
+  return impulses;
 }
 bool ImplicitStage::counts_corrections() const {
   return impl_->settings.newton_error > 0 || impl_->settings.newton_share > 0;

@@ -163,6 +163,7 @@ double Newton::Impl::evaluate(State& state) {
 /// Whether the state is a solution; where it is none yet, the search begins again.
 bool Newton::Impl::accepts(State& state, double norm, Objective::Ending ending) {
   if (f->accept(state, kind, norm, ending)) return true;
+  ++report->contact_changes;
   begin_anew(state);
   before.resize(0, 3);
   return false;
@@ -333,8 +334,13 @@ std::string Newton::Impl::find_direction(State& state, std::int64_t iteration, d
   if (!std::isfinite(relative)) return "forces are not finite";
   const bool is_slow =
       f->has_potential() && kind != Tangent::projected && iteration >= kSlow && relative <= kClose;
-  if (is_slow && f->find_full_direction(state, direction)) return "";
-  return f->find_direction(state, forcing(), kind, direction);
+  if (is_slow && f->find_full_direction(state, direction)) {
+    ++report->with_jacobian;
+    return "";
+  }
+  std::string reason = f->find_direction(state, forcing(), kind, direction);
+  if (kind == Tangent::projected) ++report->projected;
+  return reason;
 }
 
 std::string Newton::Impl::why_no_solution(std::int64_t iteration, double relative) const {
@@ -348,7 +354,10 @@ std::string Newton::Impl::iterate(State& state) {
     const Span span("Newton iteration");
     if (is_nonmonotone && i == settings.nonmonotone_steps) end_nonmonotone(state);
     const double norm = evaluate(state);
-    if (f->has_changed()) begin_anew(state);
+    if (f->has_changed()) {
+      ++report->contact_changes;
+      begin_anew(state);
+    }
     if (is_converged(state, norm)) return "";
     if (moved <= still(state) && accepts(state, norm, Objective::Ending::no_step)) return "";
     const double relative = report->residual;

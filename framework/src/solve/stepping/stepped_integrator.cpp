@@ -126,7 +126,7 @@ void SteppedIntegrator::advance_fixed(System& system, State& state, double step)
       continue;
     }
     accept(state, to_);
-    count(system, h);
+    count(system, state, to_, h, attempt);
     halvings_ = 0;
     done = h == step - done ? step : done + h;
     std::swap(state, to_);
@@ -190,7 +190,7 @@ void SteppedIntegrator::advance_adaptive(System& system, State& state, double st
       continue;
     }
     accept(right_, to_);
-    count(system, h);
+    count(system, right_, to_, h, attempt);
     halvings_ = 0;
     // A step that was cut for a part of the model says nothing against the longer one.
     next_ = std::max(h < next_ ? next_ : 0.0,
@@ -203,7 +203,7 @@ void SteppedIntegrator::advance_adaptive(System& system, State& state, double st
   interpolate(system, end, state);
   // A polynomial knows of no impact: what it takes into a collider is put on its surface.
   if (system.contact().bodies() > 0 && end > left_.time)
-    (void)system.contact().resolve(left_.r, end - left_.time, state);
+    (void)system.contact().resolve(left_, end - left_.time, state);
 }
 
 SteppedIntegrator::Attempt SteppedIntegrator::try_step(System& system, const State& from,
@@ -215,7 +215,7 @@ SteppedIntegrator::Attempt SteppedIntegrator::try_step(System& system, const Sta
   try {
     result = attempt(system, from, step, to);
     if (result.failure.empty() && !result.resolved_contacts)
-      system.contact().resolve(from.r, step, to);
+      result.contact = system.contact().resolve(from, step, to);
     const bool is_finite = to.r.allFinite() && to.v.allFinite();
     if (result.failure.empty() && !is_finite) result.failure = "the state is not finite";
   } catch (const StepTooLong& e) {
@@ -242,8 +242,11 @@ void SteppedIntegrator::shorten(double& step, double wanted, const std::string& 
   step = shorter;
 }
 
-void SteppedIntegrator::count(System& system, double step) {
+void SteppedIntegrator::count(System& system, const State& from, const State& to, double step,
+                              const Attempt& attempt) {
   StepReport& report = system.step_report();
+  if (system.contact().bodies() > 0)
+    report.contact.add(system.mass(), attempt.contact, from.v, to.v, step);
   report.smallest = report.substeps == 0 ? step : std::min(report.smallest, step);
   report.largest = std::max(report.largest, step);
   ++report.substeps;

@@ -1,4 +1,4 @@
-#include "solve/assembly/guilty_part.h"
+#include "solve/assembly/part_forces.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -19,9 +19,9 @@ class SampleSet;
 
 /// As for an Evaluator, everything here depends on its arguments alone. Terms by their number among
 /// System::energies.
-class DEFORM_API TermProbe {
+class DEFORM_API TermEvaluator {
  public:
-  explicit TermProbe(Assembly& assembly) : assembly_(&assembly) {}
+  explicit TermEvaluator(Assembly& assembly) : assembly_(&assembly) {}
 
   /// All of a state's geometry at the samples of one of the surface's sets; stays what it is while
   /// anybody holds it.

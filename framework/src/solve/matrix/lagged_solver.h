@@ -15,11 +15,11 @@
 namespace deform {
 
 /// Components with the same free nodes and ties share a matrix and its factor.
-class ReducedSolver {
+class LaggedSolver {
  public:
   /// Throws InputError when a tie mixes components, which such a matrix cannot say.
-  ReducedSolver(const ReductionMap& map, const SparseMatrix& pattern, bool symmetric,
-                const SolverSource& solvers);
+  LaggedSolver(const ReductionMap& map, const SparseMatrix& pattern, bool symmetric,
+               const SolverSource& solvers);
 
   /// `version` changes whenever K's values do. Prescribed entries of x are given, the others a
   /// guess (LinearSolver::improve).

@@ -1,4 +1,4 @@
-#include "solve/matrix/reduced_solver.h"
+#include "solve/matrix/lagged_solver.h"
 
 #include <algorithm>
 
@@ -27,8 +27,8 @@ bool are_alike(const std::vector<Tie>& a, const std::vector<Tie>& b) {
 
 }  // namespace
 
-ReducedSolver::ReducedSolver(const ReductionMap& map, const SparseMatrix& pattern, bool symmetric,
-                             const SolverSource& solvers)
+LaggedSolver::LaggedSolver(const ReductionMap& map, const SparseMatrix& pattern, bool symmetric,
+                           const SolverSource& solvers)
     : map_(&map) {
   if (map.reduction().ties_mix_components())
     throw InputError(
@@ -64,7 +64,7 @@ ReducedSolver::ReducedSolver(const ReductionMap& map, const SparseMatrix& patter
 }
 
 /// The rows and columns of K at the free nodes, and what tied ones add to them.
-void ReducedSolver::make_group(Group& group, const SparseMatrix& pattern) const {
+void LaggedSolver::make_group(Group& group, const SparseMatrix& pattern) const {
   std::vector<Index> number(static_cast<std::size_t>(pattern.size), -1);
   for (std::size_t q = 0; q < group.free.size(); ++q)
     number[static_cast<std::size_t>(group.free[q])] = static_cast<Index>(q);
@@ -85,7 +85,7 @@ void ReducedSolver::make_group(Group& group, const SparseMatrix& pattern) const 
   group.solution.resize(unknowns, columns);
 }
 
-void ReducedSolver::factor(Group& group, const SparseMatrix& k, const NodeValues& d) {
+void LaggedSolver::factor(Group& group, const SparseMatrix& k, const NodeValues& d) {
   group.matrix->fill(k.value, d);
   const std::string reasons = group.solvers->factor(group.matrix->matrix());
   if (!reasons.empty())
@@ -94,8 +94,8 @@ void ReducedSolver::factor(Group& group, const SparseMatrix& k, const NodeValues
 }
 
 /// Tᵀ(b − (K + D) x) for x with nothing but what is prescribed and what follows that.
-void ReducedSolver::make_right_hand_side(Group& group, const SparseMatrix& k, const NodeValues& d,
-                                         const NodeVectors& b, const NodeVectors& x) {
+void LaggedSolver::make_right_hand_side(Group& group, const SparseMatrix& k, const NodeValues& d,
+                                        const NodeVectors& b, const NodeVectors& x) {
   residual_ = b;
   for (const int c : group.components) {
     if (x.col(c).isZero(0)) continue;
@@ -117,15 +117,15 @@ void ReducedSolver::make_right_hand_side(Group& group, const SparseMatrix& k, co
 }
 
 /// Names the solver and where there was the most to solve for; forces need not be at fault.
-void ReducedSolver::throw_unsolved(const Group& group, const std::string& reason) {
+void LaggedSolver::throw_unsolved(const Group& group, const std::string& reason) {
   Index q = 0;
   group.rhs.rowwise().squaredNorm().maxCoeff(&q);
   throw NotFinite("the equations of a step cannot be solved (" + reason + ")",
                   group.free[static_cast<std::size_t>(q)], group.solvers->in_use().name);
 }
 
-void ReducedSolver::solve(const SparseMatrix& k, long version, const NodeValues& d,
-                          const NodeVectors& b, NodeVectors& x, double tolerance) {
+void LaggedSolver::solve(const SparseMatrix& k, long version, const NodeValues& d,
+                         const NodeVectors& b, NodeVectors& x, double tolerance) {
   if (version != factored_version_ || d != factored_d_) {
     const Stopwatch watch(&StepTimes::factorisation, "factorisation");
     factored_version_ = -1;
