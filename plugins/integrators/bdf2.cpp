@@ -109,7 +109,7 @@ class Bdf2 final : public ImplicitIntegrator {
     stage_.error_per_change = error_.per_change(h, C);
     std::string failure = solve(system, to);
     if (!failure.empty()) return {std::move(failure), {}, false};
-    std::vector<ContactImpulse> contact = find_contacts(system, from, h, to);
+    std::vector<ContactImpulse> contact = find_contacts(system, from, h, to, h / stage_.tau);
     return {"", with_error() ? error_.of(from, to, h, C) : NodeVectors(), true, std::move(contact)};
   }
 
@@ -170,16 +170,21 @@ class Bdf2 final : public ImplicitIntegrator {
   }
 
   /// Velocities after contact at a step's end, and what colliders held in it. Returns their
-  /// impulses.
-  std::vector<ContactImpulse> find_contacts(System& system, const State& from, double h,
-                                            State& to) {
+  /// impulses, which are so many times what velocities know of them where the step's end is
+  /// amended.
+  std::vector<ContactImpulse> find_contacts(System& system, const State& from, double h, State& to,
+                                            double per_known = 1) {
     if (newton_.resolves_contacts()) {
       active_ = newton_.active_contacts();
       return newton_.settle(system, stage_, from, h, to);
     }
     std::vector<ContactImpulse> impulses = system.contact().resolve(from, h, to);
     active_.clear();
-    for (const ContactImpulse& i : impulses) active_.push_back(i.node);
+    for (ContactImpulse& i : impulses) {
+      i.normal_impulse *= per_known;
+      i.friction_impulse *= per_known;
+      active_.push_back(i.node);
+    }
     std::ranges::sort(active_);
     const auto repeated = std::ranges::unique(active_);
     active_.erase(repeated.begin(), repeated.end());

@@ -55,7 +55,8 @@ TEST(MovingCollider, ABeltCarriesByFriction) {
       Ended s(m, 0.005, duration, {kGravity, plane(0, 0.2, belt)});
       const double v = std::min(0.2 * 9.81 * duration, 1.0);
       EXPECT_NEAR(s.state().v.col(0).mean(), v, 0.011) << name_of(m) << ' ' << duration;
-      if (v == 1) EXPECT_NEAR(s.state().v.col(0).minCoeff(), 1, 1e-6) << name_of(m);
+      const double slowest = v == 1 ? s.state().v.col(0).minCoeff() : 1;
+      EXPECT_NEAR(slowest, 1, 1e-6) << name_of(m);
       EXPECT_LE(s.state().v.col(2).cwiseAbs().maxCoeff(), 1e-8) << name_of(m);
     }
 }
@@ -103,7 +104,12 @@ TEST(MovingCollider, AFastBodyDoesNotPass) {
 /// At rest a floor pushes with the weight; the first steps' mean forces balance momentum.
 TEST(ContactForces, BalanceWeightAndMomentum) {
   for (const Method& m : methods()) {
-    Simulation s = sheet(m, 0.01, 0.3, {kGravity, velocity(0.4, -0.3), plane(-0.012, 0.3)});
+    std::vector<Replacement> scene{kGravity, velocity(0.4, -0.3), plane(-0.012, 0.3)};
+    if (test::is_implicit(m)) {
+      scene.push_back({"/integrator/tolerance", "1e-12"});
+      scene.push_back({"/integrator/iterations", "500"});
+    }
+    Simulation s = sheet(m, 0.01, 0.3, scene);
     const double mass = s.system().mass().sum(), dt = 0.01;
     const auto momentum = [&] { return Vec3(s.system().mass().transpose() * s.state().v); };
     while (s.steps() < s.scene().steps()) {
@@ -115,8 +121,9 @@ TEST(ContactForces, BalanceWeightAndMomentum) {
         impulse += (contact.normal_impulse() + contact.friction_impulse()).colwise().sum();
       EXPECT_NEAR(contact.time(), dt, 1e-15);
       const bool is_one_step = m.integrator != "bdf2";
-      if (is_one_step || s.steps() > 20)
-        EXPECT_LE((momentum() - before - impulse).norm(), 1e-10) << name_of(m) << ' ' << s.steps();
+      if (!is_one_step && s.steps() <= 20) continue;
+      // Positions are found to 1e-13 of the size.
+      EXPECT_LE((momentum() - before - impulse).norm(), 3e-10) << name_of(m) << ' ' << s.steps();
     }
     const Vec3 push = s.system().step_report().contact.normal_impulse().colwise().sum() / dt;
     EXPECT_NEAR(push.z(), mass * 9.81, 1e-8) << name_of(m);
@@ -147,7 +154,7 @@ Simulation relaxed(const std::vector<Replacement>& replacements) {
   return simulation_from_text(
       R"({"surface": {"plugin": "grid", "nodes": [9, 9], "size": [1, 1]},
           "material": {"density": 1, "damping": 5},
-          "energies": [{"plugin": "koiter", "young": 1e5, "thickness": 0.02}],
+          "energies": [{"plugin": "koiter", "young": 1e5, "poisson": 0.3, "thickness": 0.02}],
           "forces": ["gravity"], "constraints": [], "colliders": [],
           "integrator": {"plugin": "static", "step": 1}, "duration": 1})",
       replacements);
@@ -164,12 +171,12 @@ TEST(StaticContact, ASheetFallsOntoAFloor) {
   EXPECT_NEAR(push.z(), s.system().mass().sum() * 9.81, 1e-6);
 }
 
-/// A clamped plate that sags onto a ball: what motion with damping comes to.
+/// A plate that is held along a side and sags onto a slope: what motion with damping comes to.
 TEST(StaticContact, IsWhatDampedMotionComesTo) {
   const std::vector<Replacement> scene{
-      {"/constraints/-", R"({"plugin": "pin", "where": {"boundary": ["left"]}})"},
+      {"/constraints/-", R"({"plugin": "pin", "where": {"box": [[0, 0], [0.13, 1]]}})"},
       {"/colliders/-",
-       R"({"plugin": "sphere", "centre": [0.8, 0.5, -0.25], "radius": 0.2, "friction": 0})"}};
+       R"({"plugin": "plane", "point": [0, 0, -0.15], "normal": [0.2, 0, 1], "friction": 0})"}};
   Simulation rests = relaxed(scene);
   rests.step();
   std::vector<Replacement> moving = scene;

@@ -84,7 +84,7 @@ double deepest(const System& system, double time, const NodeVectors& from, const
 
 TEST(ThrownSheets, NonePasses) {
   Throws random;
-  int met = 0;
+  int met = 0, halved = 0;
   for (int i = 0; i < kThrows; ++i) {
     const char* const integrators[] = {"backward_euler", "bdf2", "implicit_midpoint",
                                        "symplectic_euler", "runge_kutta"};
@@ -112,9 +112,11 @@ TEST(ThrownSheets, NonePasses) {
         const NodeVectors before = s.state().r;
         s.step();
         touches = touches || s.system().step_report().contact.any();
-        ASSERT_LE(deepest(s.system(), s.state().time, before, s.state().r, target.half), 0.5)
-            << i << " step " << s.steps() << '\n'
-            << text;
+        const bool is_whole = s.system().step_report().substeps <= 1;  // else its way is not known
+        const double depth =
+            is_whole ? deepest(s.system(), s.state().time, before, s.state().r, target.half) : 0;
+        ASSERT_LE(depth, 0.5) << i << " step " << s.steps() << '\n' << text;
+        halved += is_whole ? 0 : 1;
         ASSERT_GE(s.system().contact().clearance(s.state().time, s.state().r).minCoeff(), -1e-9)
             << i << '\n'
             << text;
@@ -125,6 +127,7 @@ TEST(ThrownSheets, NonePasses) {
     }
   }
   EXPECT_GE(met, kThrows / 2);
+  EXPECT_LE(halved, kThrows / 4);  // of twelve times as many steps
 }
 
 }  // namespace

@@ -31,16 +31,19 @@ inline std::vector<Method> methods() {
 
 inline std::string name_of(const Method& m) { return m.integrator + " with " + m.energies; }
 
+inline bool is_implicit(const Method& m) {
+  return m.integrator != "runge_kutta" && m.integrator != "symplectic_euler" &&
+         m.integrator != "semi_implicit";
+}
+
 /// A sheet on the plane z = 0, to be put elsewhere by pointers.
 inline Simulation sheet(const Method& m, double step, double duration,
                         std::vector<Replacement> replacements) {
-  const bool is_implicit = m.integrator != "runge_kutta" && m.integrator != "symplectic_euler" &&
-                           m.integrator != "semi_implicit";
   replacements.insert(
       replacements.begin(),
       {{"/energies", m.energies},
        {"/integrator", fmt::format(R"({{"plugin": "{}", "step": {}{}}})", m.integrator, step,
-                                   is_implicit ? R"(, "tolerance": 1e-10)" : "")},
+                                   is_implicit(m) ? R"(, "tolerance": 1e-10)" : "")},
        {"/duration", std::to_string(duration)}});
   return simulation_from_text(
       R"({"surface": {"plugin": "grid", "nodes": [3, 3], "size": [1, 1]},

@@ -16,7 +16,7 @@ namespace {
 /// shall take it, and how far supports and bodies move in one.
 constexpr double kFirstMotion = 0.05, kLargestMotion = 0.2, kSupportMotion = 0.05;
 /// Farther than this nothing stops it.
-constexpr double kOutOfBounds = 1e3;
+constexpr double kOutOfBounds = 100;
 /// Pseudo-steps become longer by these where Newton's method took few iterations, or not many.
 constexpr double kMuchLonger = 4, kLonger = 2;
 constexpr long kFew = 8, kNotMany = 25;
