@@ -8,6 +8,15 @@ namespace {
 
 /// Rows that one task takes.
 constexpr Index kRows = 4096;
+/// The largest eigenvalue of D⁻¹A, about: that of membranes.
+constexpr double kLargest = 2.5;
+/// The diagonal's norm sees little of smooth errors, which a cycle's sees: it asks for so much
+/// more.
+constexpr double kStricter = 0.1;
+/// So many iterations with the diagonal cost less than cycles and their coarse matrices …
+constexpr double kWorthIt = 60;
+/// … and are given up for these after so many.
+constexpr int kMostByDiagonal = 150;
 
 std::vector<Held> nodes_held(const std::vector<std::uint8_t>& components) {
   std::vector<Held> held;
@@ -68,20 +77,48 @@ void BlockSystem::factor(const deform::NodeValues& d, bool renew) {
           }
         }
       });
-  is_old_ = is_made_ && !renew;
-  is_made_ = true;
-  cycle_->renew(!is_old_);
+  cycle_->renew_finest();
+  measure_inertia(d);
+  wants_new_ = wants_new_ || renew || !is_made_;
+  is_current_ = false;
 }
 
-Ending BlockSystem::iterate(double tolerance, int most) {
+/// Mean over nodes of the part that d has in the matrix's diagonal.
+void BlockSystem::measure_inertia(const deform::NodeValues& d) {
+  double sum = 0;
+  for (Index a = 0; a < d.size(); ++a) sum += 3 * d[a] / (diagonal_.row(a).sum() + 3 * d[a]);
+  inertia_ = d.size() > 0 ? sum / static_cast<double>(d.size()) : 0;
+}
+
+/// A bound for conjugate gradients with D for a preconditioner: as K is not negative, no eigenvalue
+/// of D⁻¹(K + diag(d)) is below d/D.
+double BlockSystem::iterations_by_diagonal(double tolerance) const {
+  return inertia_ > 0 ? 0.5 * std::sqrt(kLargest / inertia_) * std::log(2 / tolerance)
+                      : 2 * kWorthIt;
+}
+
+Ending BlockSystem::iterate(double tolerance, int most, bool with_cycle) {
   Level<Block>& level = cycle_->finest();
   level.f = b_;
   x_.set_zero();
   const Ending end = gradients_.solve(
       [&](const Field<float>& y, Field<float>& out) { return level.multiply(y, out); },
-      [&] { return cycle_->run(); }, level.f, level.x, x_, {.part = tolerance}, most);
+      [&] { return with_cycle ? cycle_->run() : cycle_->step(); }, level.f, level.x, x_,
+      {.part = tolerance}, most);
   iterations_ += end.iterations;
   return end;
+}
+
+/// With coarse levels of an earlier matrix while these will do.
+Ending BlockSystem::solve_by_cycles(double tolerance) {
+  if (!wants_new_ && !is_current_) {
+    const Ending end = iterate(tolerance, limits_.patience, true);
+    if (end.has_converged) return end;
+  }
+  if (!is_current_) cycle_->renew_coarse();
+  is_made_ = is_current_ = true;
+  wants_new_ = false;
+  return iterate(tolerance, limits_.iterations, true);
 }
 
 deform::Outcome BlockSystem::solve(const deform::NodeVectors& b, double tolerance,
@@ -103,14 +140,12 @@ deform::Outcome BlockSystem::solve(const deform::NodeVectors& b, double toleranc
     for (Index a = first; a < first + size; ++a) b_(a, c) = static_cast<float>(b(a, c) / largest);
   });
   cycle_->finest().mask(b_);
-  Ending end = iterate(tolerance, is_old_ ? limits_.patience : limits_.iterations);
-  if (!end.has_converged && is_old_) {
-    cycle_->renew(true);
-    is_old_ = false;
-    end = iterate(tolerance, limits_.iterations);
-  }
+  Ending end;
+  if (iterations_by_diagonal(kStricter * tolerance) <= kWorthIt)
+    end = iterate(kStricter * tolerance, kMostByDiagonal, false);
+  if (!end.has_converged && !end.is_indefinite) end = solve_by_cycles(tolerance);
   if (end.is_indefinite) {
-    is_made_ = false;  // nothing of such a matrix helps the next
+    is_made_ = is_current_ = false;  // nothing of such a matrix helps the next
     return deform::Outcome::indefinite;
   }
   if (!end.has_converged) return deform::Outcome::unfinished;

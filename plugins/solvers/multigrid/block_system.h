@@ -11,6 +11,10 @@
 namespace multigrid {
 
 /// Single precision serves where a direction need not be exact: it halves what has to be read.
+///
+/// Where inertia outweighs what the coarse levels would be good for (small steps, few nodes, loose
+/// tolerances), the diagonal blocks alone precondition: an iteration costs a seventh of a cycle's,
+/// and there are no coarse matrices to make.
 class BlockSystem {
  public:
   /// Iterations at most; after the first `patience` of them an old preconditioner is made anew.
@@ -28,7 +32,10 @@ class BlockSystem {
 
  private:
   void put_in_strip(const deform::BlockRows& rows, Index skipped, Index size);
-  [[nodiscard]] Ending iterate(double tolerance, int most);
+  [[nodiscard]] Ending iterate(double tolerance, int most, bool with_cycle);
+  [[nodiscard]] Ending solve_by_cycles(double tolerance);
+  void measure_inertia(const deform::NodeValues& d);
+  [[nodiscard]] double iterations_by_diagonal(double tolerance) const;
 
   Limits limits_;
   Pattern pattern_;
@@ -36,8 +43,10 @@ class BlockSystem {
   std::optional<Cycle<Block>> cycle_;
   ConjugateGradients gradients_;
   Field<float> b_, x_;
-  bool is_old_ = false;  // the coarse levels are of an earlier matrix
-  bool is_made_ = false;
+  bool is_made_ = false;     // there are coarse levels …
+  bool wants_new_ = true;    // … which must not be used any more
+  bool is_current_ = false;  // … of the matrix that is there
+  double inertia_ = 0;       // mean part of d in the diagonal
   int iterations_ = 0;
 };
 

@@ -39,9 +39,12 @@ Cycle<Entry>::Cycle(const Pattern& finest, std::vector<Held> held,
 }
 
 template <class Entry>
-void Cycle<Entry>::renew(bool coarse_levels) {
+void Cycle<Entry>::renew_finest() {
   levels_.front().finish();
-  if (!coarse_levels) return;
+}
+
+template <class Entry>
+void Cycle<Entry>::renew_coarse() {
   if constexpr (std::same_as<Entry, Scalar>) levels_.front().choose_damping_by_rows();
   for (std::size_t l = 1; l < levels_.size(); ++l) {
     between_[l - 1].template multiply<Entry>(levels_[l - 1].value, levels_[l].value);
@@ -141,6 +144,13 @@ double Cycle<Entry>::run() {
   }
   correct_from_coarser(0);
   return treatment_ == Finest::smoothed ? level.smooth_and_multiply() : sums_.total();
+}
+
+template <class Entry>
+double Cycle<Entry>::step() {
+  Level<Entry>& level = finest();
+  level.start();
+  return level.product(level.f, level.x);
 }
 
 template class Cycle<Block>;

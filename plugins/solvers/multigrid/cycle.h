@@ -28,11 +28,14 @@ class Cycle {
   Cycle& operator=(const Cycle&) = delete;
 
   [[nodiscard]] Level<Entry>& finest() { return levels_.front(); }
-  /// The values of the finest level are there: makes those of the others, or leaves them at those
-  /// of an earlier matrix.
-  void renew(bool coarse_levels);
+  /// The values of the finest level are there: makes ready what it takes to step on it …
+  void renew_finest();
+  /// … and makes those of the others.
+  void renew_coarse();
   /// x of the finest level from its f: one cycle. Returns f·x.
   [[nodiscard]] double run();
+  /// The same without the coarse levels: x = ω D⁻¹ f.
+  [[nodiscard]] double step();
 
  private:
   void factor_coarsest();

@@ -93,7 +93,8 @@ void ScalarSystem::factor(const deform::SparseMatrix& a) {
   for (std::size_t q = 0; q < node_.size(); ++q)
     largest_diagonal_ =
         std::max(largest_diagonal_, value_[static_cast<std::size_t>(entries_[row_begin_[q]].to)]);
-  cycle_->renew(true);
+  cycle_->renew_finest();
+  cycle_->renew_coarse();
 }
 
 std::string ScalarSystem::improve(const Eigen::Ref<const Eigen::MatrixXd>& b, double tolerance,

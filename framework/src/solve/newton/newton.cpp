@@ -87,7 +87,7 @@ struct Newton::Impl {
   [[nodiscard]] bool take_watched_step(State& state, double limit);
   [[nodiscard]] std::string search(State& state, double norm, double limit);
   [[nodiscard]] bool search_along(State& state, double norm, double limit);
-  double go_farther(double s, double there, double limit, State& state);
+  double go_farther(double here, double s, double there, double limit, State& state);
   void move(double s, State& state) const;
   void begin_anew(State& state);
   void remember(State& state, double merit);
@@ -230,10 +230,14 @@ void Newton::Impl::end_nonmonotone(State& state) {
   moved = kInfinity;
 }
 
-/// Doubles a step whose merit is `there` as long as that falls: the projected tangent is stiffer
-/// than the surface, most so where it buckles. Returns the merit it comes to.
-double Newton::Impl::go_farther(double s, double there, double limit, State& state) {
+/// Doubles a step from where the merit was `here` to where it is `there` as long as that falls: the
+/// projected tangent is stiffer than the surface, most so where it buckles. Is not tried where the
+/// parabola through both merits with the slope at first would rise: there it fell by less than two
+/// thirds of what the slope alone says. Returns the merit it comes to.
+double Newton::Impl::go_farther(double here, double s, double there, double limit, State& state) {
+  const double slope = f->has_potential() ? f->slope(direction) : 0;
   for (int k = 0; kind == Tangent::projected && k < kMostDoublings && 2 * s <= limit; ++k) {
+    if (3 * (here - there) < -2 * s * slope) break;
     nearer = state.r;
     move(2 * s, state);
     const double farther = f->merit(state);
@@ -257,7 +261,8 @@ bool Newton::Impl::take_watched_step(State& state, double limit) {
   double s = std::min({1.0, limit, rotation / std::max(path.angle(), 1e-300)});
   move(s, state);
   next = path.is_straight() ? Tangent::mixed : Tangent::exact;
-  double merit = go_farther(s, f->merit(state), limit, state);
+  const double here = patience == 0 ? lowest.merit : kInfinity;
+  double merit = go_farther(here, s, f->merit(state), limit, state);
   for (int cut = 0; f->has_kinks() && !(merit < lowest.merit) && cut < kMostKinks; ++cut) {
     s /= 2;
     move(s, state);
@@ -300,7 +305,7 @@ bool Newton::Impl::search_along(State& state, double norm, double limit) {
     const double there = f->merit(state);
     if (!(there <= at_begin + kArmijo * s * slope + rounding)) continue;
     searched = s;
-    if (cut == 0) (void)go_farther(s, there, limit, state);
+    if (cut == 0) (void)go_farther(at_begin, s, there, limit, state);
     return true;
   }
   state.r = from;
