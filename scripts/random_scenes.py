@@ -104,3 +104,58 @@ def random_scene(random, integrator="backward_euler"):
                                                               -3 * length],
                                "radius": length}]
     return scene
+
+
+def bodies(random, size, drop):
+    """A floor, and one to three bodies between it and the surface."""
+    length = max(size)
+    floor = {"plugin": "plane", "point": [0, 0, -3 * length]}
+    choices = []
+    for _ in range(random.randint(1, 3)):
+        radius = length * log_uniform(random, 0.1, 0.6)
+        centre = [size[0] * random.random(), size[1] * random.random(), -drop - radius]
+        choices.append(random.choice([
+            {"plugin": "sphere", "centre": centre, "radius": radius},
+            {"plugin": "box", "centre": centre, "size": [radius, radius, 2 * radius],
+             "rounding": 0.2 * radius},
+            {"plugin": "cylinder", "centre": centre, "axis": [1, random.random(), 0],
+             "radius": radius, "height": 4 * radius, "rounding": 0.1 * radius},
+        ]))
+    for body in [floor, *choices]:
+        body["friction"] = random.choice([0, random.uniform(0.05, 1)])
+    return [floor, *choices]
+
+
+def random_contact_scene(random, integrator="backward_euler"):
+    """Cloth to sheet metal that falls, is blown or thrown on bodies, mostly held by nothing."""
+    length = log_uniform(random, 0.1, 3)
+    size = [length, length * log_uniform(random, 0.3, 1)]
+    density = log_uniform(random, 0.05, 5)
+    drop = 0.05 * length
+    step = random.choice([0.2, 0.5, 1]) * 0.1 * math.sqrt(length / 10)
+    thickness = length * log_uniform(random, 3e-4, 1e-2)
+    loads = [{"plugin": "gravity"}]
+    if random.random() < 0.5:
+        loads.append({"plugin": "wind", "velocity": vector(random, 3)})
+    if random.random() < 0.3:
+        loads.append({"plugin": "viscous_fluid", "viscosity": log_uniform(random, 1e-2, 1),
+                      "velocity": vector(random, 1)})
+    return {
+        "surface": {"plugin": "grid", "nodes": [random.randint(9, 25), random.randint(9, 25)],
+                    "size": size},
+        "material": {"density": density,
+                     "damping": random.choice([0, density * log_uniform(random, 0.1, 10)])},
+        "energies": [{"plugin": "koiter", "young": density / thickness * length
+                      * log_uniform(random, 1e3, 1e6), "thickness": thickness,
+                      "poisson": random.uniform(0, 0.45)}],
+        "forces": loads,
+        "constraints": random.choice([[], [], [
+            {"plugin": "pin", "where": {"corners": "left_bottom"}}]]),
+        "colliders": bodies(random, size, drop),
+        "velocity": random.choice([[0, 0, 0], vector(random, 3 * math.sqrt(length))]),
+        "integrator": {"plugin": integrator, "step": step},
+        "duration": 2 * STEPS * step,
+        "limits": {"distance": 1e9},
+        "frames": {"write": False},
+        "probes": ["newton", "time_step", "contact"],
+    }

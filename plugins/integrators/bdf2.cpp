@@ -186,8 +186,7 @@ class Bdf2 final : public ImplicitIntegrator {
       active_.push_back(i.node);
     }
     std::ranges::sort(active_);
-    const auto repeated = std::ranges::unique(active_);
-    active_.erase(repeated.begin(), repeated.end());
+    active_.erase(std::unique(active_.begin(), active_.end()), active_.end());
     return impulses;
   }
 

@@ -88,8 +88,9 @@ void ActiveContacts::begin(const ColliderContact& contact, const Stage& stage, d
   }
 }
 
-NodeVectors ActiveContacts::end_of(const NodeVectors& r) const {
-  return stage_->start + stage_->reach * (r - stage_->start);
+const NodeVectors& ActiveContacts::end_of(const NodeVectors& r) const {
+  end_ = stage_->start + stage_->reach * (r - stage_->start);
+  return end_;
 }
 
 void ActiveContacts::find(const NodeVectors& end, double within,
@@ -145,13 +146,11 @@ void ActiveContacts::move(Index node, const Vec3& by, NodeVectors& r) const {
 }
 
 void ActiveContacts::push_out(NodeVectors& r) const {
-  std::vector<NodeContact> near;
   for (int round = 0; round < kMostRounds; ++round) {
-    const NodeVectors end = end_of(r);
-    const double farthest = round == 0 ? (end - end_of(at_)).rowwise().norm().maxCoeff() : 0;
-    find(end, farthest, near);
+    const double farthest = round == 0 ? stage_->reach * (r - at_).rowwise().norm().maxCoeff() : 0;
+    find(end_of(r), farthest, near_);
     bool any = false;
-    for (const NodeContact& c : near) {
+    for (const NodeContact& c : near_) {
       const Normal* normal = round == 0 ? at_place(normal_, place_of(c)) : nullptr;
       const double moved = stage_->reach * (r.row(c.node) - at_.row(c.node)).norm();
       const bool is_held =
@@ -182,10 +181,9 @@ double ActiveContacts::dissipation(const NodeVectors& r) const {
 
 bool ActiveContacts::react(const NodeVectors& r, NodeVectors& residual) {
   at_ = r;
-  std::vector<NodeContact> touching;
-  find(end_of(r), touching_, touching);
+  find(end_of(r), touching_, near_);
   normal_.clear();
-  for (const NodeContact& c : touching)
+  for (const NodeContact& c : near_)
     normal_.push_back({.contact = c, .is_ahead = c.gap < -touching_});
   const auto add_force = [&](Friction& f) {
     act(f, r);
@@ -193,14 +191,14 @@ bool ActiveContacts::react(const NodeVectors& r, NodeVectors& residual) {
   };
   for (Friction& f : friction_) add_force(f);
   balance(residual);
-  std::vector<Friction> begun;
+  updated_.clear();
   for (const Normal& n : normal_)
     if (n.force > 0 && n.contact.friction > 0 && at_place(friction_, n.place()) == nullptr)
-      begun.push_back(friction_of(n.contact, n.force));
-  if (begun.empty()) return false;
-  for (Friction& f : begun) add_force(f);
+      updated_.push_back(friction_of(n.contact, n.force));
+  if (updated_.empty()) return false;
+  for (Friction& f : updated_) add_force(f);
   balance(residual);
-  friction_.insert(friction_.end(), begun.begin(), begun.end());
+  friction_.insert(friction_.end(), updated_.begin(), updated_.end());
   std::ranges::sort(friction_, {}, &Friction::place);
   return true;
 }
@@ -227,15 +225,13 @@ void ActiveContacts::begin_direction() {
   for (Normal& n : normal_)
     n.penalty = n.force > 0 ? penalty_[n.contact.node] / n.contact.mobility : 0;
   if (predicted_.empty()) return;
-  std::vector<NodeContact> near;
-  find(end_of(at_), farthest_, near);
-  std::vector<Normal> ahead;
-  for (const NodeContact& c : near)
+  find(end_of(at_), farthest_, near_);
+  ahead_.clear();
+  for (const NodeContact& c : near_)
     if (std::ranges::binary_search(predicted_, place_of(c)) &&
         at_place(normal_, place_of(c)) == nullptr)
-      ahead.push_back({.contact = c, .penalty = penalty_[c.node] / c.mobility, .is_ahead = true});
-  normal_.insert(normal_.end(), ahead.begin(), ahead.end());
-  std::ranges::sort(normal_, {}, &Normal::place);
+      ahead_.push_back({.contact = c, .penalty = penalty_[c.node] / c.mobility, .is_ahead = true});
+  add_ahead();
 }
 
 const std::vector<BlockEntry>& ActiveContacts::tangent() {
@@ -273,28 +269,31 @@ bool ActiveContacts::revise(const NodeVectors& r, const NodeVectors& direction) 
       ++changed;
     }
   }
-  std::vector<NodeContact> near;
   farthest_ = stage_->reach * direction.rowwise().norm().maxCoeff();
-  find(end_of(r), farthest_, near);
-  std::vector<Normal> ahead;
-  for (const NodeContact& c : near) {
+  find(end_of(r), farthest_, near_);
+  ahead_.clear();
+  for (const NodeContact& c : near_) {
     const Vec3 d = stage_->reach * direction.row(c.node).transpose();
     if (!(c.gap + c.normal.dot(d) < -kComesIn * d.norm())) continue;
     Normal* const known = at_place(normal_, place_of(c));
     if (known == nullptr)
-      ahead.push_back({.contact = c, .penalty = penalty_[c.node] / c.mobility, .is_ahead = true});
+      ahead_.push_back({.contact = c, .penalty = penalty_[c.node] / c.mobility, .is_ahead = true});
     else if (known->penalty == 0)
       known->penalty = penalty_[c.node] / c.mobility;
     else
       continue;
     ++changed;
   }
-  normal_.insert(normal_.end(), ahead.begin(), ahead.end());
-  std::ranges::sort(normal_, {}, &Normal::place);
+  add_ahead();
   predicted_.clear();
   for (const Normal& n : normal_)
     if (n.is_ahead && n.penalty > 0) predicted_.push_back(n.place());
   return static_cast<double>(changed) > kFew * static_cast<double>(normal_.size());
+}
+
+void ActiveContacts::add_ahead() {
+  normal_.insert(normal_.end(), ahead_.begin(), ahead_.end());
+  std::ranges::sort(normal_, {}, &Normal::place);
 }
 
 void ActiveContacts::drop_predicted() {
@@ -303,10 +302,9 @@ void ActiveContacts::drop_predicted() {
 }
 
 bool ActiveContacts::add_planes(const NodeVectors& end) {
-  std::vector<NodeContact> near;
-  contact_->find({stage_->begin, stage_->start, stage_->end, end}, touching_, near);
+  contact_->find({stage_->begin, stage_->start, stage_->end, end}, touching_, near_);
   const auto known = static_cast<std::ptrdiff_t>(planes_.size());
-  for (const NodeContact& c : near) {
+  for (const NodeContact& c : near_) {
     const auto begin = planes_.begin();
     if (!c.crossed ||
         std::ranges::binary_search(begin, begin + known, place_of(c), {}, &Plane::place))
@@ -321,26 +319,26 @@ bool ActiveContacts::add_planes(const NodeVectors& end) {
 }
 
 bool ActiveContacts::update(const NodeVectors& r) {
-  std::vector<Friction> updated;
+  updated_.clear();
   for (const Normal& n : normal_) {
     if (!(n.force > 0 && n.contact.friction > 0)) continue;
     Friction friction = friction_of(n.contact, n.force);
     if (const Friction* before = at_place(friction_, n.place()))
       friction.kept = friction.sliding * before->force;
     act(friction, r);
-    updated.push_back(friction);
+    updated_.push_back(friction);
   }
-  note_changes(updated, r.rows());
-  friction_ = std::move(updated);
+  note_changes(r.rows());
+  std::swap(friction_, updated_);
   return add_planes(end_of(r));
 }
 
 /// How far what changes of friction would move each node, by its stiffness.
-void ActiveContacts::note_changes(const std::vector<Friction>& updated, Index nodes) {
-  NodeVectors change = NodeVectors::Zero(nodes, 3);
-  for (const Friction& f : friction_) change.row(f.node) -= f.force.transpose();
-  for (const Friction& f : updated) change.row(f.node) += f.force.transpose();
-  unsettled_ = kFrictionPenalty * change.rowwise().norm().cwiseQuotient(friction_penalty_);
+void ActiveContacts::note_changes(Index nodes) {
+  change_.setZero(nodes, 3);
+  for (const Friction& f : friction_) change_.row(f.node) -= f.force.transpose();
+  for (const Friction& f : updated_) change_.row(f.node) += f.force.transpose();
+  unsettled_ = kFrictionPenalty * change_.rowwise().norm().cwiseQuotient(friction_penalty_);
 }
 
 double ActiveContacts::unsettled(const NodeValues& mass) const {

@@ -109,7 +109,8 @@ class ActiveContacts {
     }
   };
 
-  [[nodiscard]] NodeVectors end_of(const NodeVectors& r) const;
+  /// Positions of the step's end; valid until the next call.
+  [[nodiscard]] const NodeVectors& end_of(const NodeVectors& r) const;
   /// Contacts whose gap at positions `end` is less than `within`, by place.
   void find(const NodeVectors& end, double within, std::vector<NodeContact>& found) const;
   [[nodiscard]] Friction friction_of(const NodeContact& c, double force) const;
@@ -118,7 +119,8 @@ class ActiveContacts {
   [[nodiscard]] Vec3 trial_of(const Friction& f, const NodeVectors& r) const;
   /// Makes f's force that at positions r.
   void act(Friction& f, const NodeVectors& r) const;
-  void note_changes(const std::vector<Friction>& updated, Index nodes);
+  void note_changes(Index nodes);
+  void add_ahead();
   void push_out(NodeVectors& r) const;
   void move(Index node, const Vec3& by, NodeVectors& r) const;
   void balance(NodeVectors& residual);
@@ -137,7 +139,13 @@ class ActiveContacts {
   double farthest_ = 0;                                   // that it would move a node [m]
   NodeValues penalty_, friction_penalty_;                 // of each node [N/m]
   NodeValues unsettled_;                                  // (N) of friction at the last update [m]
-  std::vector<BlockEntry> tangent_;                       // kept for its memory
+  // Kept for their memory.
+  std::vector<BlockEntry> tangent_;
+  std::vector<Normal> ahead_;      // to join normal_
+  std::vector<Friction> updated_;  // to join, or to be, friction_
+  NodeVectors change_;
+  mutable NodeVectors end_;
+  mutable std::vector<NodeContact> near_;
 };
 
 }  // namespace deform

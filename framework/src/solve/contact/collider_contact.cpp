@@ -172,8 +172,9 @@ template <class Visit>
 void ColliderContact::Impl::visit_near(const Body& body, const NodePaths& paths, double within,
                                        const Visit& visit) const {
   const NodeVectors& r = paths.to;
-  NodeValues distance;
-  NodeVectors normal;
+  // Kept by each thread from call to call: no allocation once they are large enough.
+  thread_local NodeValues distance;
+  thread_local NodeVectors normal;
   measure(body, paths.end, r, distance, normal);
   const std::vector<EntryPlane> entries = crossings(body, paths, distance, normal);
   auto entry = entries.begin();
