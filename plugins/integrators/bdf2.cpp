@@ -35,6 +35,7 @@ class Bdf2 final : public ImplicitIntegrator {
     if (has_before_) put(memory, "before", before_);
     memory.put("after_impact", {after_impact_ ? 1.0 : 0.0});
     memory.put("touched", {last_active_.begin(), last_active_.end()});
+    last_contact_.save(memory);
   }
   void load(const Memory& memory) override {
     ImplicitIntegrator::load(memory);
@@ -44,6 +45,8 @@ class Bdf2 final : public ImplicitIntegrator {
     if (has_before_ && before_.r.rows() != known_nodes(memory))
       throw InputError("the checkpoint's \"before\" has another number of nodes");
     after_impact_ = memory.get("after_impact", 1).front() != 0;
+    last_contact_.clear();
+    if (known_nodes(memory) > 0) last_contact_.load(memory, known_nodes(memory));
     last_active_.clear();
     const auto touched = memory.entries().find("touched");
     if (touched == memory.entries().end()) return;
@@ -62,15 +65,10 @@ class Bdf2 final : public ImplicitIntegrator {
   }
 
   [[nodiscard]] Attempt attempt(System& system, const State& from, double h, State& to) override {
-    const double omega = has_before_ ? h / (from.time - before_.time) : 0;
-    if (has_before_ && omega <= kMostGrowth * (1 + 1e-9))
-      return two_steps(system, from, h, omega, to);
-    if (!after_impact_) {
-      std::optional<Attempt> done = two_stages(system, from, h, to);
-      if (done) return std::move(*done);
-      to = from;
-    }
-    return euler(system, from, h, to);
+    Attempt done = any_attempt(system, from, h, to);
+    contact_.clear();
+    contact_.add(system.mass(), done.contact, from.v, to.v, h);
+    return done;
   }
   [[nodiscard]] int local_order() const override { return order_; }
 
@@ -80,6 +78,7 @@ class Bdf2 final : public ImplicitIntegrator {
     has_before_ = active_ == last_active_;
     after_impact_ = !has_before_;
     last_active_ = active_;
+    std::swap(last_contact_, contact_);
   }
   void forget() override {
     ImplicitIntegrator::forget();
@@ -92,6 +91,18 @@ class Bdf2 final : public ImplicitIntegrator {
   }
 
  private:
+  Attempt any_attempt(System& system, const State& from, double h, State& to) {
+    const double omega = has_before_ ? h / (from.time - before_.time) : 0;
+    if (has_before_ && omega <= kMostGrowth * (1 + 1e-9))
+      return two_steps(system, from, h, omega, to);
+    if (!after_impact_) {
+      std::optional<Attempt> done = two_stages(system, from, h, to);
+      if (done) return std::move(*done);
+      to = from;
+    }
+    return euler(system, from, h, to);
+  }
+
   Attempt two_steps(System& system, const State& from, double h, double omega, State& to) {
     begin_stage(from, h);
     const double now = (1 + omega) * (1 + omega) / (1 + 2 * omega);
@@ -109,7 +120,9 @@ class Bdf2 final : public ImplicitIntegrator {
     stage_.error_per_change = error_.per_change(h, C);
     std::string failure = solve(system, to);
     if (!failure.empty()) return {std::move(failure), {}, false};
-    std::vector<ContactImpulse> contact = find_contacts(system, from, h, to, h / stage_.tau);
+    std::vector<ContactImpulse> contact = find_contacts(system, from, h, to);
+    // v⁺ − v has ω²/(1 + 2ω) of the last step's change of velocity.
+    add_scaled(system, last_contact_, earlier, contact);
     return {"", with_error() ? error_.of(from, to, h, C) : NodeVectors(), true, std::move(contact)};
   }
 
@@ -122,6 +135,8 @@ class Bdf2 final : public ImplicitIntegrator {
     std::string failure = solve(system, to);
     if (!failure.empty()) return Attempt{std::move(failure), {}, false};
     if (newton_.active_contacts() != last_active_) return std::nullopt;
+    ContactReport first_contact;
+    first_contact.add(system.mass(), newton_.impulses(system, stage_), from.v, to.v, part);
 
     const NodeVectors first = (to.v - from.v) / part;  // acceleration of the first stage
     const double weight = (1 - kGamma) / kGamma;       // of what the first stage changed
@@ -136,6 +151,7 @@ class Bdf2 final : public ImplicitIntegrator {
     if (!failure.empty()) return Attempt{std::move(failure), {}, false};
     std::vector<ContactImpulse> contact = find_contacts(system, from, h, to);
     if (active_ != last_active_) return std::nullopt;
+    add_scaled(system, first_contact, weight, contact);
 
     order_ = 3;
     Attempt done{
@@ -169,29 +185,41 @@ class Bdf2 final : public ImplicitIntegrator {
     return failure;
   }
 
-  /// Velocities after contact at a step's end, and what colliders held in it. Returns their
-  /// impulses, which are so many times what velocities know of them where the step's end is
-  /// amended.
-  std::vector<ContactImpulse> find_contacts(System& system, const State& from, double h, State& to,
-                                            double per_known = 1) {
+  /// Velocities after contact at a step's end, and what colliders held in it. Returns the impulses
+  /// that the stage and the law of impacts gave velocities.
+  std::vector<ContactImpulse> find_contacts(System& system, const State& from, double h,
+                                            State& to) {
     if (newton_.resolves_contacts()) {
       active_ = newton_.active_contacts();
       return newton_.settle(system, stage_, from, h, to);
     }
     std::vector<ContactImpulse> impulses = system.contact().resolve(from, h, to);
     active_.clear();
-    for (ContactImpulse& i : impulses) {
-      i.normal_impulse *= per_known;
-      i.friction_impulse *= per_known;
-      active_.push_back(i.node);
-    }
+    for (const ContactImpulse& i : impulses) active_.push_back(i.node);
     std::ranges::sort(active_);
     active_.erase(std::unique(active_.begin(), active_.end()), active_.end());
     return impulses;
   }
 
+  /// Adds a part of a step's impulses to others.
+  static void add_scaled(const System& system, const ContactReport& of, double part,
+                         std::vector<ContactImpulse>& to) {
+    if (!of.any()) return;
+    for (Index a = 0; a < system.nodes(); ++a) {
+      const Vec3 normal = of.normal_impulse().row(a).transpose() / system.mass()[a];
+      const Vec3 friction = of.friction_impulse().row(a).transpose() / system.mass()[a];
+      const double size = normal.norm();
+      if (size == 0 && friction.isZero(0)) continue;
+      to.push_back({.node = a,
+                    .normal = size > 0 ? Vec3(normal / size) : Vec3(Vec3::UnitZ()),
+                    .normal_impulse = part * size,
+                    .friction_impulse = part * friction});
+    }
+  }
+
   SecondOrderError error_;
-  int order_ = 2;  // of the local error of the last attempt
+  ContactReport contact_, last_contact_;  // of the last attempt, and of the last step
+  int order_ = 2;                         // of the local error of the last attempt
   bool has_before_ = false, after_impact_ = false;
   State before_;                    // where the last step began
   std::vector<Index> last_active_;  // nodes that colliders held in the last step …

@@ -44,7 +44,8 @@ class Static final : public Integrator {
         relaxation_({.tolerance = p.tolerance, .iterations = p.iterations}) {}
 
   [[nodiscard]] bool is_static() const override { return true; }
-  [[nodiscard]] bool resolves_contacts() const override { return true; }
+  /// Contact is not linear.
+  [[nodiscard]] bool resolves_contacts() const override { return !parameters_.linear; }
   [[nodiscard]] Solves solves() const override { return Solves::tangents; }
   void save(Memory& memory) const override { relaxation_.save(memory); }
   void load(const Memory& memory) override { relaxation_.load(memory); }
@@ -68,8 +69,6 @@ class Static final : public Integrator {
  private:
   /// With colliders.
   void relax(System& system, State& state) {
-    if (parameters_.linear)
-      throw InputError("'linear' is true, but there are colliders: contact is not linear");
     const std::string reason = relaxation_.solve(system, end_, state);
     if (!reason.empty()) throw Error(ExitCode::diverged, "no equilibrium in contact: " + reason);
   }

@@ -120,8 +120,6 @@ TEST(ContactForces, BalanceWeightAndMomentum) {
       if (contact.any())
         impulse += (contact.normal_impulse() + contact.friction_impulse()).colwise().sum();
       EXPECT_NEAR(contact.time(), dt, 1e-15);
-      const bool is_one_step = m.integrator != "bdf2";
-      if (!is_one_step && s.steps() <= 20) continue;
       // Positions are found to 1e-13 of the size.
       EXPECT_LE((momentum() - before - impulse).norm(), 3e-10) << name_of(m) << ' ' << s.steps();
     }

@@ -56,6 +56,10 @@ bool is_unchanged(const Frame& frame, double earlier) {
   for (std::size_t i = 0; i < system.energies().size(); ++i)
     if (!is_same(system.terms().energy(i, at_earlier), system.terms().energy(i, frame.state)))
       return false;
+  NodeVectors carried;  // bodies that move put energy in
+  for (std::size_t b = 0; b < system.contact().bodies(); ++b)
+    if (system.contact().carry(b, earlier, frame.state.time, frame.positions(), carried))
+      return false;
   if (system.contact().bodies() > 0 &&
       system.contact().clearance(earlier, frame.positions()) !=
           system.contact().clearance(frame.state.time, frame.positions()))

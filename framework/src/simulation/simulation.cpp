@@ -95,8 +95,9 @@ void require_no_colliders(const Scene& scene, const Named<Integrator>& integrato
   if (!ignores_bodies) return;
   maker.add({{"/colliders",
               fmt::format("at /colliders: found {} of them, expected none: integrator \"{}\" looks "
-                          "for equilibria without contact; take \"backward_euler\" with damping "
-                          "('damping' of the material), until the surface rests",
+                          "for equilibria without contact; take \"static\", not 'linear', or "
+                          "\"backward_euler\" with damping ('damping' of the material), until the "
+                          "surface rests",
                           colliders, integrator.name)}});
 }
 
@@ -244,7 +245,8 @@ std::vector<Body> Simulation::Impl::make_bodies(PartMaker& maker, const Setup& s
     const RigidPath path{common.times, common.displacements, common.rotations, common.pivot};
     const std::string problem = problem_of(path);
     if (!problem.empty())
-      maker.add({{use.pointer, fmt::format("at {}: {}", use.pointer, problem)}});
+      maker.add({{use.pointer + (path.times.empty() ? "" : "/times"),
+                  fmt::format("at {}: {}", use.pointer, problem)}});
     auto collider = maker.make<Collider>(use, setup);
     if (!collider || !problem.empty()) continue;
     if (!path.times.empty()) collider->object = moving(collider->object, path);

@@ -120,16 +120,8 @@ void ImplicitStage::set_tolerance(double tolerance) { impl_->settings.tolerance 
 std::vector<ContactImpulse> ImplicitStage::settle(const System& system, const Stage& stage,
                                                   const State& before, double step,
                                                   State& end) const {
-  if (!impl_->objective.has_contacts()) return {};
-  const std::vector<ContactImpulse> known = this->impulses(system, stage);
-  std::vector<ContactImpulse> impulses = known;
-  system.contact().settle(before, step, impulses, end);
-  // The stage's forces act for the whole step, whatever part of it velocities know.
-  const double more = step / (stage.reach * stage.tau) - 1;
-  for (std::size_t i = 0; i < impulses.size(); ++i) {
-    impulses[i].normal_impulse += more * known[i].normal_impulse;
-    impulses[i].friction_impulse += more * known[i].friction_impulse;
-  }
+  std::vector<ContactImpulse> impulses = this->impulses(system, stage);
+  if (impl_->objective.has_contacts()) system.contact().settle(before, step, impulses, end);
   return impulses;
 }
 bool ImplicitStage::counts_corrections() const {

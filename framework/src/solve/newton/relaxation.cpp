@@ -49,6 +49,7 @@ struct Relaxation::Impl {
   double done = 0;  // part of the supports' motion
   double tau = 0, size = 0;
   double unbalanced = kInfinity;  // relative to the forces at work
+  bool is_exact = false;          // the last pseudo-step's equation was solved to the tolerance
   NodeVectors start, target;      // of prescribed components
 };
 
@@ -118,7 +119,8 @@ std::string Relaxation::Impl::take(System& system, State& state) {
   stage.by_strains = true;
   State to = state;
   place_supports(system, part, to);
-  newton.set_tolerance(std::clamp(kForcing * unbalanced, settings.tolerance, kLoosest));
+  const double tolerance = std::clamp(kForcing * unbalanced, settings.tolerance, kLoosest);
+  newton.set_tolerance(tolerance);
   const long before = system.step_report().iterations;
   std::string reason = newton.solve(system, stage, to);
   if (!reason.empty()) return reason;
@@ -132,6 +134,7 @@ std::string Relaxation::Impl::take(System& system, State& state) {
   const double forces = scale(system, state);
   unbalanced = forces > 0 ? inertia.norm() / forces : 0;
   if (!was_whole) unbalanced = std::max(unbalanced, kLoosest);  // supports have moved just now
+  is_exact = tolerance == settings.tolerance;
   const long iterations = system.step_report().iterations - before;
   log::debug(
       fmt::format("static: a pseudo-step of {:.3g} s took {} iterations, moved {:.3g} m and "
@@ -168,7 +171,7 @@ std::string Relaxation::solve(System& system, double end, State& state) {
     ++report.substeps;
     if (largest(state.r - s.start) > kOutOfBounds * s.size)
       return "nothing stops the surface: its loads carry it out of all bounds";
-    if (s.done == 1 && s.unbalanced <= s.settings.tolerance) {
+    if (s.done == 1 && s.is_exact && s.unbalanced <= s.settings.tolerance) {
       state.time = end;
       report.contact.clear();
       report.contact.add(system.mass(), s.newton.impulses(system, s.stage), state.v, state.v,
