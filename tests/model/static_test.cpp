@@ -2,6 +2,8 @@
 #include <cmath>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "deform/check/mechanics.h"
 #include "deform/solve/linear_solver.h"
 #include "deform/solve/newton_matrix.h"
@@ -54,6 +56,25 @@ TEST(Static, RefusesLoadsThatNothingBalances) {
     EXPECT_EQ(error.code(), ExitCode::diverged);
     EXPECT_NE(std::string(error.what()).find("nothing holds the surface"), std::string::npos)
         << error.what();
+  }
+}
+
+/// A thin sheet that falls crumples about what is held against rigid motions; holding others then
+/// takes no load off.
+TEST(Static, RefusesWhatOnlyCrumples) {
+  for (const int n : {3, 4, 5, 9}) {
+    Simulation s = simulation_from_text(fmt::format(
+        R"({{"surface": {{"plugin": "grid", "nodes": [{0}, {0}], "size": [0.5, 0.5]}},
+            "material": {{"density": 0.2}}, "forces": ["gravity"],
+            "energies": [{{"plugin": "koiter", "young": 1e6, "poisson": 0.3, "thickness": 1e-3}}],
+            "integrator": {{"plugin": "static", "step": 1}}, "duration": 1}})",
+        n));
+    try {
+      s.step();
+      ADD_FAILURE() << n << ": it found an equilibrium";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ExitCode::diverged) << n;
+    }
   }
 }
 

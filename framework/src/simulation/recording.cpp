@@ -51,7 +51,7 @@ Recording::Recording(const Scene& scene, std::shared_ptr<const PluginRegistry> r
       parts_(make_run_parts(scene, registry)),
       schedule_(scene),
       guards_(parts_.simulation->system(), parts_.simulation->integrator()),
-      advice_(parts_.simulation->system().contact().bodies() > 0),
+      advice_(parts_.simulation->system()),
       watch_(watch),
       frame_interval_(scene.frame_interval()) {
   parts_.simulation->stop_when(&watch_.stop());
@@ -185,7 +185,7 @@ void Recording::step_to_end() {
     watched(Doing::stepping, [this] { step(); });
     const auto ended = std::chrono::steady_clock::now();
     last_step_ = ended - std::exchange(begun, ended);
-    advice_.look(parts_.simulation->steps(), parts_.simulation->system().step_report());
+    advice_.look(parts_.simulation->steps(), parts_.simulation->state());
     if (held_.has_old()) watched(Doing::clearing, [this] { held_.drop_old(); });
     if (profile_) profile_->end_step();
     if (options_.progress) options_.progress(parts_.simulation->steps(), scene_.steps());

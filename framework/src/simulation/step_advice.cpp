@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "deform/geometry/characteristic_length.h"
 #include "deform/log.h"
 
 namespace deform {
@@ -11,6 +12,8 @@ namespace {
 
 /// A cause has a part in a hard step where so many of its iterations were about it.
 constexpr long kEvery = 4;
+/// What is deeper inside of a body than this part of the surface's size is not there by rounding.
+constexpr double kDeep = 1e-6;
 
 struct Cause {
   long count;
@@ -20,12 +23,31 @@ struct Cause {
 
 }  // namespace
 
-void StepAdvice::look(long step, const StepReport& report) {
+void StepAdvice::look(long step, const State& state) {
+  look_at_iterations(step);
+  if (system_->contact().bodies() > 1 && !has_warned_) look_for_squeezed(step, state);
+}
+
+void StepAdvice::look_for_squeezed(long step, const State& state) {
+  const double deep = kDeep * characteristic_length(system_->rest());
+  const NodeVectors r = state.r.topRows(system_->nodes());
+  system_->contact().find({state.time, r, state.time, r}, -deep, inside_);
+  if (inside_.empty()) return;
+  const NodeContact& worst = *std::ranges::min_element(inside_, {}, &NodeContact::gap);
+  log::warn(
+      fmt::format("step {}: node {} is {:.3g} m inside of /colliders/{}: it has nowhere to go "
+                  "between bodies that close on it",
+                  step, worst.node, -worst.gap, worst.body));
+  has_warned_ = true;
+}
+
+void StepAdvice::look_at_iterations(long step) {
+  const StepReport& report = system_->step_report();
   const long parts = std::max(report.substeps + report.rejected, 1L);
   const bool is_hard = report.rejected > 0 || report.iterations > kMany * parts;
   if (!is_hard || report.iterations == 0) return;
   const Cause causes[] = {
-      {has_bodies_ ? report.contact_changes : 0, "contact that changes",
+      {system_->contact().bodies() > 0 ? report.contact_changes : 0, "contact that changes",
        "a shorter 'step', less 'friction', or bodies with rounder edges"},
       {report.projected, "buckling: the exact tangent is not positive definite",
        "a shorter 'step', a method that damps (backward_euler, bdf2), or a coarser grid where the "

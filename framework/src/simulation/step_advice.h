@@ -3,6 +3,7 @@
 
 #include <set>
 #include <string>
+#include <vector>
 
 #include "deform/solve/system.h"
 
@@ -10,17 +11,24 @@ namespace deform {
 
 /// Says once for each cause, with the first step that shows it, why Newton's method takes long, or
 /// why steps are halved, and what may help. A step is hard that was halved or that took more than
-/// kMany iterations for each of its parts.
+/// kMany iterations for each of its parts. Warns once of nodes inside of a body, which only bodies
+/// that close on the surface between them bring about.
 class StepAdvice {
  public:
   static constexpr long kMany = 25;
 
-  explicit StepAdvice(bool has_bodies) : has_bodies_(has_bodies) {}
-  /// A step of that number has been taken.
-  void look(long step, const StepReport& report);
+  /// `system` must live as long.
+  explicit StepAdvice(const System& system) : system_(&system) {}
+  /// A step of that number has been taken to a state.
+  void look(long step, const State& state);
 
  private:
-  bool has_bodies_;
+  void look_at_iterations(long step);
+  void look_for_squeezed(long step, const State& state);
+
+  const System* system_;
+  std::vector<NodeContact> inside_;  // kept for its memory
+  bool has_warned_ = false;
   std::set<std::string> said_;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -194,10 +196,11 @@ std::optional<double> Equilibrium::Impl::unbalanced(double rounding) const {
 /// What forces did not resist where they were at rest they may resist where loads have stretched
 /// them: springs along their length resist being turned. Returns whether less is held now.
 bool Equilibrium::Impl::release(const State& state) {
-  const std::size_t before = held_.size();
-  held_ = matrix->hold_rigid_motions(state);
+  std::vector<Freedom> now = matrix->hold_rigid_motions(state);
+  if (now.size() >= held_.size()) return false;  // as many elsewhere take no load off
+  held_ = std::move(now);
   has_released_ = true;
-  return held_.size() < before;
+  return true;
 }
 
 /// A surface that nothing holds has an equilibrium only if its loads balance.
@@ -206,15 +209,13 @@ bool Equilibrium::Impl::accept(State& state, Tangent& kind, double norm, Ending 
   // Where Newton's direction leads nowhere, what is left is the forces' rounding: the residual is
   // relative to next to nothing.
   const double rounding = ending == Ending::no_distance ? kOfTheSameKind * norm : 0;
-  std::optional<double> force = unbalanced(rounding);
+  const std::optional<double> force = unbalanced(rounding);
   if (!force) return true;
   if (release({state.r, NodeVectors::Zero(state.r.rows(), 3), end_})) {
     kind = Tangent::exact;
     (void)evaluate(state, kind, {});
     return false;
   }
-  force = unbalanced(rounding);
-  if (!force) return true;
   throw Error(ExitCode::diverged,
               fmt::format("{}; a force of {:.3g} N is not balanced", what_is_free(), *force));
 }
