@@ -203,6 +203,26 @@ TEST(StaticContact, ABodyIsPressedIntoASheet) {
   EXPECT_GT(push.z(), 0);
 }
 
+/// Damping slows pseudo-steps, and changes nothing of where they end.
+TEST(StaticContact, DampingDoesNotCount) {
+  for (const char* damping : {"1e4", "1e8"}) {
+    Simulation s = relaxed({plane(-0.3, 0.3), {"/material/damping", damping}});
+    s.step();
+    EXPECT_NEAR(s.state().r.col(2).maxCoeff(), -0.3, 1e-9) << damping;
+  }
+}
+
+/// A turntable that has come back to where it was has rubbed all the way round: friction is μ N.
+TEST(StaticContact, AWholeTurnRubs) {
+  Simulation s = relaxed(
+      {{"/constraints/-", R"({"plugin": "pin", "where": {"boundary": ["left"]}})"},
+       plane(0, 0.9, R"(, "times": [0, 1], "rotations": [[0, 0, 0], [0, 0, 6.283185307179586]])")});
+  s.step();
+  const ContactReport& contact = s.system().step_report().contact;
+  EXPECT_NEAR(contact.friction_impulse().rowwise().norm().sum(),
+              0.9 * contact.normal_impulse().rowwise().norm().sum(), 1e-6 * contact.time());
+}
+
 TEST(StaticContact, WhatNothingStopsHasNoEquilibrium) {
   Simulation s = relaxed({{"/colliders/-", R"({"plugin": "sphere", "centre": [9, 9, -9]})"}});
   try {

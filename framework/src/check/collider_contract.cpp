@@ -104,6 +104,10 @@ void check_carry(const Collider& collider, Checks& checks) {
     return;
   }
   checks.holds("carries points to finite places", there.allFinite(), "it does not");
+  NodeVectors half = there, whole = there;
+  checks.holds("carries them in two parts, too",
+               carry(0.3, 0.5, points, half) && carry(0.5, 0.7, half, whole), "it does not");
+  checks.below("and then to the same places [m]", (whole - there).cwiseAbs().maxCoeff(), 1e-9);
   checks.holds("carries them back, too", carry(0.7, 0.3, there, back), "it does not");
   checks.below("and leaves them where they were [m]", (back - points).cwiseAbs().maxCoeff(), 1e-9);
 }

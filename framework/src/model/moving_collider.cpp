@@ -74,8 +74,10 @@ class MovingCollider final : public Collider {
   [[nodiscard]] bool carry(double from, double to, Index size, ConstVectors points,
                            Vectors carried) const override {
     const RigidMotion before = motion_at(path_, from), after = motion_at(path_, to);
+    const bool moves = before.rotation != after.rotation || before.offset != after.offset;
     const Points own(size, points, [&](const Vec3& x) { return before.back(x); });
     const bool moves_itself = body_->carry(from, to, size, own.view(), carried);
+    if (!moves && !moves_itself) return false;
     for (Index i = 0; i < size; ++i)
       carried.set(i, after(moves_itself ? Vec3(carried.x[i], carried.y[i], carried.z[i])
                                         : Vec3(own.view()[i])));

@@ -152,6 +152,7 @@ bool EnergyAccount::has_started() const { return impl_->started; }
 void EnergyAccount::start(const Frame& frame) {
   Impl& s = *impl_;
   s.started = true;
+  s.counted_normal = s.counted_friction = 0;
   s.last = s.instant(frame, loads_at(frame, frame.step_size).after);
   s.account = {};
   s.account.largest_kinetic = kinetic(frame.system, s.last.v);

@@ -44,14 +44,15 @@ void StepAdvice::look_for_squeezed(long step, const State& state) {
 void StepAdvice::look_at_iterations(long step) {
   const StepReport& report = system_->step_report();
   const long parts = std::max(report.substeps + report.rejected, 1L);
-  const bool is_hard = report.rejected > 0 || report.iterations > kMany * parts;
-  if (!is_hard || report.iterations == 0) return;
+  // Parts that error control gives up take few iterations each.
+  const long many = report.rejected > 0 ? kMany / 2 : kMany;
+  if (report.iterations <= many * parts) return;
   const Cause causes[] = {
       {system_->contact().bodies() > 0 ? report.contact_changes : 0, "contact that changes",
        "a shorter 'step', less 'friction', or bodies with rounder edges"},
       {report.projected, "buckling: the exact tangent is not positive definite",
-       "a shorter 'step', a method that damps (backward_euler, bdf2), or a coarser grid where the "
-       "sheet is much thinner than its spacing"},
+       "a shorter 'step', in motion a method that damps (backward_euler, bdf2), or a coarser grid "
+       "where the sheet is much thinner than its spacing"},
       {report.with_jacobian, "forces that turn with the surface", "a shorter 'step'"},
   };
   const auto* const worst = std::ranges::max_element(causes, {}, &Cause::count);

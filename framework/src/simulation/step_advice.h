@@ -10,9 +10,9 @@
 namespace deform {
 
 /// Says once for each cause, with the first step that shows it, why Newton's method takes long, or
-/// why steps are halved, and what may help. A step is hard that was halved or that took more than
-/// kMany iterations for each of its parts. Warns once of nodes inside of a body, which only bodies
-/// that close on the surface between them bring about.
+/// why steps are halved, and what may help. A step is hard that took more than kMany iterations
+/// for each of its parts, or half as many where parts were given up. Warns once of nodes inside of
+/// a body, which only bodies that close on the surface between them bring about.
 class StepAdvice {
  public:
   static constexpr long kMany = 25;

@@ -251,7 +251,8 @@ class Vtk final : public Output {
     if (frame.system.contact().bodies() == 0) return;
     const ContactReport& contact = frame.system.step_report().contact;
     const auto force = [&](const NodeVectors& impulse) -> NodeVectors {
-      if (!contact.any()) return NodeVectors::Zero(frame.system.nodes(), 3);
+      if (!contact.any() || !(contact.time() > 0))
+        return NodeVectors::Zero(frame.system.nodes(), 3);
       return impulse.topRows(frame.system.nodes()) / contact.time();
     };
     shot.data->add("contact_force", kept(shot, force(contact.normal_impulse())));

@@ -90,8 +90,8 @@ void BlockSystem::measure_inertia(const deform::NodeValues& d) {
   inertia_ = d.size() > 0 ? sum / static_cast<double>(d.size()) : 0;
 }
 
-/// A bound for conjugate gradients with D for a preconditioner: as K is not negative, no eigenvalue
-/// of D⁻¹(K + diag(d)) is below d/D.
+/// An estimate for conjugate gradients with D for a preconditioner: as K is not negative, no
+/// eigenvalue of D⁻¹(K + diag(d)) is below the least d/D, for which the mean stands.
 double BlockSystem::iterations_by_diagonal(double tolerance) const {
   return inertia_ > 0 ? 0.5 * std::sqrt(kLargest / inertia_) * std::log(2 / tolerance)
                       : 2 * kWorthIt;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -9,12 +11,16 @@
 #include "deform/log.h"
 #include "deform/solve/implicit_stage.h"
 
+#include "solve/contact/contact_law.h"
+
 namespace deform {
 namespace {
 
 /// Of the surface's size: how far the first pseudo-step would take it in free fall, how far any
 /// shall take it, and how far supports and bodies move in one.
 constexpr double kFirstMotion = 0.05, kLargestMotion = 0.2, kSupportMotion = 0.05;
+/// Places at which the motion of supports and bodies is looked at.
+constexpr int kLooks = 64;
 /// Farther than this nothing stops it.
 constexpr double kOutOfBounds = 100;
 /// Pseudo-steps become longer by these where Newton's method took few iterations, or not many.
@@ -35,65 +41,90 @@ struct Relaxation::Impl {
       : settings(s), newton({.tolerance = s.tolerance, .iterations = s.iterations}) {}
 
   void begin(const System& system, const State& state, double end);
-  [[nodiscard]] double first_step(System& system, const State& state) const;
-  [[nodiscard]] double part_of_supports(const System& system, const State& state) const;
+  [[nodiscard]] double first_step(const System& system, const State& state) const;
+  [[nodiscard]] double next_time() const;
   [[nodiscard]] std::string take(System& system, State& state);
-  void place_supports(const System& system, double part, State& state) const;
+  [[nodiscard]] std::string solve_stage(System& system, double to_time, State& to);
+  [[nodiscard]] double residual(const System& system, const State& state) const;
   [[nodiscard]] double scale(const System& system, const State& state) const;
   void adapt(long iterations, double moved);
 
   RelaxationSettings settings;
   ImplicitStage newton;
   Stage stage;
-  double begin_time = 0, end_time = 0;
-  double done = 0;  // part of the supports' motion
+  double end_time = 0;
+  double time = 0;  // of supports and bodies
   double tau = 0, size = 0;
+  double part = 1;                // of kSupportMotion that is tried
   double unbalanced = kInfinity;  // relative to the forces at work
-  bool is_exact = false;          // the last pseudo-step's equation was solved to the tolerance
-  NodeVectors start, target;      // of prescribed components
+  NodeVectors start;
+  /// How far supports and bodies have moved by a time, along their paths [m].
+  struct Moved {
+    double time, length;
+  };
+  std::vector<Moved> motion;
 };
 
 void Relaxation::Impl::begin(const System& system, const State& state, double end) {
   size = characteristic_length(system.rest());
-  begin_time = state.time;
+  time = state.time;
   end_time = end;
-  done = 0;
+  part = 1;
   unbalanced = kInfinity;
-  start = target = state.r;
-  system.constraints().prescribe(end, target);
+  start = state.r;
+  motion.assign(1, {time, 0});
+  NodeVectors last = state.r, next = state.r, carried;
+  for (int k = 1; k <= kLooks; ++k) {
+    const double from = motion.back().time;
+    const double to = k == kLooks ? end : time + (end - time) * k / kLooks;
+    system.constraints().prescribe(to, next);
+    double length = largest(next - last);
+    last = next;
+    for (std::size_t b = 0; b < system.contact().bodies(); ++b)
+      if (system.contact().carry(b, from, to, state.r, carried))
+        length = std::max(length, largest(carried - state.r));
+    motion.push_back({to, motion.back().length + length});
+  }
 }
 
 /// By the accelerations at the beginning.
-double Relaxation::Impl::first_step(System& system, const State& state) const {
+double Relaxation::Impl::first_step(const System& system, const State& state) const {
   State loaded = state;
   loaded.v.setZero();
   loaded.time = end_time;
-  const NodeVectors force = system.evaluator().force(loaded);
   NodeVectors acceleration;
-  system.mass_matrix().accelerate(force, acceleration);
+  system.mass_matrix().accelerate(system.evaluator().force(loaded), acceleration);
   const double a = root_mean_square(acceleration, system.mass());
-  const double longest = end_time - begin_time;
-  return a > 0 ? std::sqrt(kFirstMotion * size / a) : longest;
+  const double longest = end_time - time;
+  return a > 0 ? std::min(std::sqrt(kFirstMotion * size / a), longest) : longest;
 }
 
-/// Up to which part supports and bodies may go on in the next pseudo-step.
-double Relaxation::Impl::part_of_supports(const System& system, const State& state) const {
-  double motion = largest(target - start);
-  NodeVectors carried;
-  for (std::size_t b = 0; b < system.contact().bodies(); ++b)
-    if (system.contact().carry(b, begin_time, end_time, state.r, carried))
-      motion = std::max(motion, largest(carried - state.r));
-  const double step = motion > 0 ? kSupportMotion * size / motion : 1;
-  const double next = done + step;
-  return next < 1 - 1e-9 ? next : 1;
+/// Up to which supports and bodies may go on in the next pseudo-step.
+double Relaxation::Impl::next_time() const {
+  const auto at = std::ranges::upper_bound(motion, time, {}, &Moved::time);
+  if (at == motion.end()) return end_time;
+  const Moved& before = *std::prev(at);
+  const double done = before.length + (at->length - before.length) * (time - before.time) /
+                                          (at->time - before.time);
+  const double most = done + part * kSupportMotion * size;
+  auto to = at;
+  while (std::next(to) != motion.end() && to->length <= most) ++to;
+  if (to->length <= most) return end_time;
+  const Moved& from = *std::prev(to);
+  const double left = std::max(from.length, done), since = std::max(from.time, time);
+  return since + (most - left) / (to->length - left) * (to->time - since);
 }
 
-void Relaxation::Impl::place_supports(const System& system, double part, State& state) const {
-  for (int c = 0; c < 3; ++c)
-    for (Index a = 0; a < start.rows(); ++a)
-      if (system.constraints().reduction().prescribed(a, c))
-        state.r(a, c) = start(a, c) + part * (target(a, c) - start(a, c));
-  system.constraints().follow_ties(state.r);
+/// f(r) + contact, at rest, on what is free [N].
+double Relaxation::Impl::residual(const System& system, const State& state) const {
+  NodeVectors left = system.evaluator().force(state);
+  system.constraints().reduce_force(left);
+  const Mobility& mobility = system.contact().mobility();
+  for (const ContactImpulse& i : newton.impulses(system, stage)) {
+    const Vec3 impulse = i.normal_impulse * i.normal + i.friction_impulse;
+    mobility.add(i.node, system.mass()[i.node] / stage.tau * impulse, left);
+  }
+  return left.norm();
 }
 
 /// Of the forces at work at a state: the largest of loads and of single energies' forces [N].
@@ -104,49 +135,59 @@ double Relaxation::Impl::scale(const System& system, const State& state) const {
   return largest;
 }
 
-/// One pseudo-step; "" or why there is none, the state being what it was then.
-std::string Relaxation::Impl::take(System& system, State& state) {
-  const double part = part_of_supports(system, state);
-  const auto time_of = [&](double p) {
-    return p == 1 ? end_time : begin_time + p * (end_time - begin_time);
-  };
-  stage.r_base = stage.start = state.r;
-  stage.v_base = NodeVectors::Zero(state.r.rows(), 3);
+/// From `to`, a guess; "" or why there is no solution. Friction is then as it was.
+std::string Relaxation::Impl::solve_stage(System& system, double to_time, State& to) {
+  stage.r_base = stage.start = to.r;
+  stage.v_base = NodeVectors::Zero(to.r.rows(), 3);
   stage.tau = tau;
   stage.time = end_time;
-  stage.begin = time_of(done);
-  stage.end = time_of(part);
+  stage.begin = time;
+  stage.end = to_time;
   stage.by_strains = true;
-  State to = state;
-  place_supports(system, part, to);
-  const double tolerance = std::clamp(kForcing * unbalanced, settings.tolerance, kLoosest);
-  newton.set_tolerance(tolerance);
+  system.constraints().prescribe(to_time, to.r);
+  system.constraints().follow_ties(to.r);
+  newton.set_tolerance(std::clamp(kForcing * unbalanced, settings.tolerance, kLoosest));
+  Memory friction;
+  newton.save(friction);
+  std::string reason;
+  try {
+    reason = newton.solve(system, stage, to);
+  } catch (const Error& e) {
+    if (e.code() != ExitCode::diverged) throw;
+    reason = e.what();
+  }
+  if (!reason.empty()) newton.load(friction);
+  return reason;
+}
+
+/// One pseudo-step; "" or why there is none, the state being what it was then.
+std::string Relaxation::Impl::take(System& system, State& state) {
+  const double to_time = time < end_time ? next_time() : end_time;
   const long before = system.step_report().iterations;
-  std::string reason = newton.solve(system, stage, to);
+  State to = state;
+  std::string reason = solve_stage(system, to_time, to);
   if (!reason.empty()) return reason;
-  const NodeVectors moved = to.r - state.r;
-  to.v.setZero();
+  const double moved = largest(to.r - state.r);
   state = to;
-  const bool was_whole = done == 1;
-  done = part;
-  NodeVectors inertia = system.mass().asDiagonal() * moved / (tau * tau);
-  system.constraints().reduce_force(inertia);
+  state.v.setZero();
+  state.time = end_time;
   const double forces = scale(system, state);
-  unbalanced = forces > 0 ? inertia.norm() / forces : 0;
-  if (!was_whole) unbalanced = std::max(unbalanced, kLoosest);  // supports have moved just now
-  is_exact = tolerance == settings.tolerance;
+  unbalanced = forces > 0 ? residual(system, state) / forces : 0;
+  if (time < end_time) unbalanced = std::max(unbalanced, kLoosest);  // supports have just moved
+  time = to_time;
   const long iterations = system.step_report().iterations - before;
   log::debug(
       fmt::format("static: a pseudo-step of {:.3g} s took {} iterations, moved {:.3g} m and "
                   "leaves {:.3g} of the forces unbalanced",
-                  tau, iterations, largest(moved), unbalanced));
-  adapt(iterations, largest(moved));
+                  tau, iterations, moved, unbalanced));
+  adapt(iterations, moved);
   return "";
 }
 
 void Relaxation::Impl::adapt(long iterations, double moved) {
   const double longer = iterations <= kFew ? kMuchLonger : iterations <= kNotMany ? kLonger : 1;
   tau *= std::min(longer, std::sqrt(kLargestMotion * size / std::max(moved, 1e-300)));
+  part = std::min(1.0, part / kShorter);
 }
 
 Relaxation::Relaxation(RelaxationSettings settings) : impl_(std::make_unique<Impl>(settings)) {}
@@ -165,14 +206,14 @@ std::string Relaxation::solve(System& system, double end, State& state) {
       ++report.rejected;
       if (++failures > kMostFailures) return reason;
       s.tau *= kShorter;
+      s.part *= kShorter;
       continue;
     }
     failures = 0;
     ++report.substeps;
     if (largest(state.r - s.start) > kOutOfBounds * s.size)
       return "nothing stops the surface: its loads carry it out of all bounds";
-    if (s.done == 1 && s.is_exact && s.unbalanced <= s.settings.tolerance) {
-      state.time = end;
+    if (s.time == end && s.unbalanced <= s.settings.tolerance) {
       report.contact.clear();
       report.contact.add(system.mass(), s.newton.impulses(system, s.stage), state.v, state.v,
                          s.stage.tau);
