@@ -219,8 +219,9 @@ TEST(StaticContact, AWholeTurnRubs) {
        plane(0, 0.9, R"(, "times": [0, 1], "rotations": [[0, 0, 0], [0, 0, 6.283185307179586]])")});
   s.step();
   const ContactReport& contact = s.system().step_report().contact;
-  EXPECT_NEAR(contact.friction_impulse().rowwise().norm().sum(),
-              0.9 * contact.normal_impulse().rowwise().norm().sum(), 1e-6 * contact.time());
+  const double ratio = contact.friction_impulse().rowwise().norm().sum() /
+                       contact.normal_impulse().rowwise().norm().sum();
+  EXPECT_NEAR(ratio, 0.9, 1e-3);
 }
 
 TEST(StaticContact, WhatNothingStopsHasNoEquilibrium) {

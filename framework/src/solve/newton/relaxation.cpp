@@ -27,6 +27,8 @@ constexpr double kOutOfBounds = 100;
 constexpr double kMuchLonger = 4, kLonger = 2;
 constexpr long kFew = 8, kNotMany = 25;
 constexpr double kShorter = 0.25;
+/// The longest is so many times the first: inertia is negligible by then.
+constexpr double kLongest = 1e6;
 constexpr int kMostFailures = 20;
 constexpr int kMostSteps = 2000;
 /// Part of what is unbalanced that a pseudo-step's own equation may leave.
@@ -54,7 +56,7 @@ struct Relaxation::Impl {
   Stage stage;
   double end_time = 0;
   double time = 0;  // of supports and bodies
-  double tau = 0, size = 0;
+  double first_tau = 0, tau = 0, size = 0;
   double part = 1;                // of kSupportMotion that is tried
   double unbalanced = kInfinity;  // relative to the forces at work
   NodeVectors start;
@@ -187,6 +189,7 @@ std::string Relaxation::Impl::take(System& system, State& state) {
 void Relaxation::Impl::adapt(long iterations, double moved) {
   const double longer = iterations <= kFew ? kMuchLonger : iterations <= kNotMany ? kLonger : 1;
   tau *= std::min(longer, std::sqrt(kLargestMotion * size / std::max(moved, 1e-300)));
+  tau = std::min(tau, kLongest * first_tau);
   part = std::min(1.0, part / kShorter);
 }
 
@@ -196,7 +199,7 @@ Relaxation::~Relaxation() = default;
 std::string Relaxation::solve(System& system, double end, State& state) {
   Impl& s = *impl_;
   s.begin(system, state, end);
-  s.tau = s.first_step(system, state);
+  s.tau = s.first_tau = s.first_step(system, state);
   StepReport& report = system.step_report();
   int failures = 0;
   report.substeps = 0;
