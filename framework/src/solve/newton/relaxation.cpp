@@ -12,6 +12,7 @@
 #include "deform/solve/implicit_stage.h"
 
 #include "solve/contact/contact_law.h"
+#include "solve/newton/constants.h"
 
 namespace deform {
 namespace {
@@ -29,10 +30,11 @@ constexpr long kFew = 8, kNotMany = 25;
 constexpr double kShorter = 0.25;
 /// The longest is so many times the first: inertia is negligible by then.
 constexpr double kLongest = 1e6;
+constexpr double kStill = 1e-13;
 constexpr int kMostFailures = 20;
 constexpr int kMostSteps = 2000;
 /// Part of what is unbalanced that a pseudo-step's own equation may leave.
-constexpr double kForcing = 0.1, kLoosest = 0.03;
+constexpr double kStageForcing = 0.1, kLoosest = 0.03;
 
 double largest(const NodeVectors& v) { return v.rows() > 0 ? v.rowwise().norm().maxCoeff() : 0; }
 
@@ -49,7 +51,12 @@ struct Relaxation::Impl {
   [[nodiscard]] std::string solve_stage(System& system, double to_time, State& to);
   [[nodiscard]] double residual(const System& system, const State& state) const;
   [[nodiscard]] double scale(const System& system, const State& state) const;
-  void adapt(long iterations, double moved);
+  void adapt(long iterations);
+  /// Where nothing moves, forces are balanced that cancel to their rounding.
+  [[nodiscard]] bool is_balanced() const {
+    return unbalanced <= settings.tolerance ||
+           (moved <= kStill * size && unbalanced <= kRoundingOfForces);
+  }
 
   RelaxationSettings settings;
   ImplicitStage newton;
@@ -59,6 +66,7 @@ struct Relaxation::Impl {
   double first_tau = 0, tau = 0, size = 0;
   double part = 1;                // of kSupportMotion that is tried
   double unbalanced = kInfinity;  // relative to the forces at work
+  double moved = kInfinity;       // the farthest node, in the last pseudo-step [m]
   NodeVectors start;
   /// How far supports and bodies have moved by a time, along their paths [m].
   struct Moved {
@@ -72,7 +80,7 @@ void Relaxation::Impl::begin(const System& system, const State& state, double en
   time = state.time;
   end_time = end;
   part = 1;
-  unbalanced = kInfinity;
+  unbalanced = moved = kInfinity;
   start = state.r;
   motion.assign(1, {time, 0});
   NodeVectors last = state.r, next = state.r, carried;
@@ -148,7 +156,7 @@ std::string Relaxation::Impl::solve_stage(System& system, double to_time, State&
   stage.by_strains = true;
   system.constraints().prescribe(to_time, to.r);
   system.constraints().follow_ties(to.r);
-  newton.set_tolerance(std::clamp(kForcing * unbalanced, settings.tolerance, kLoosest));
+  newton.set_tolerance(std::clamp(kStageForcing * unbalanced, settings.tolerance, kLoosest));
   Memory friction;
   newton.save(friction);
   std::string reason;
@@ -169,7 +177,7 @@ std::string Relaxation::Impl::take(System& system, State& state) {
   State to = state;
   std::string reason = solve_stage(system, to_time, to);
   if (!reason.empty()) return reason;
-  const double moved = largest(to.r - state.r);
+  moved = largest(to.r - state.r);
   state = to;
   state.v.setZero();
   state.time = end_time;
@@ -182,11 +190,11 @@ std::string Relaxation::Impl::take(System& system, State& state) {
       fmt::format("static: a pseudo-step of {:.3g} s took {} iterations, moved {:.3g} m and "
                   "leaves {:.3g} of the forces unbalanced",
                   tau, iterations, moved, unbalanced));
-  adapt(iterations, moved);
+  adapt(iterations);
   return "";
 }
 
-void Relaxation::Impl::adapt(long iterations, double moved) {
+void Relaxation::Impl::adapt(long iterations) {
   const double longer = iterations <= kFew ? kMuchLonger : iterations <= kNotMany ? kLonger : 1;
   tau *= std::min(longer, std::sqrt(kLargestMotion * size / std::max(moved, 1e-300)));
   tau = std::min(tau, kLongest * first_tau);
@@ -216,7 +224,7 @@ std::string Relaxation::solve(System& system, double end, State& state) {
     ++report.substeps;
     if (largest(state.r - s.start) > kOutOfBounds * s.size)
       return "nothing stops the surface: its loads carry it out of all bounds";
-    if (s.time == end && s.unbalanced <= s.settings.tolerance) {
+    if (s.time == end && s.is_balanced()) {
       report.contact.clear();
       report.contact.add(system.mass(), s.newton.impulses(system, s.stage), state.v, state.v,
                          s.stage.tau);
