@@ -14,7 +14,7 @@ constexpr double kLargest = 2.5;
 /// more.
 constexpr double kStricter = 0.1;
 /// So many iterations with the diagonal cost less than cycles and their coarse matrices …
-constexpr double kWorthIt = 60;
+constexpr double kWorthIt = 90;
 /// … and are given up for these after so many.
 constexpr int kMostByDiagonal = 150;
 
