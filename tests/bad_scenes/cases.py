@@ -148,7 +148,7 @@ bad("collider_path_backwards",
     "at /colliders/0", "'times' must ascend, but 1 is followed by 0", beyond="plugin")
 bad("collider_restitution",
     {"/colliders": [{"plugin": "plane", "point": [0, 0, -1], "restitution": 1.5}]},
-    "at /colliders/0/restitution", "found 1.5, expected number from 0 to 1")
+    "at /colliders/0/restitution", "found 1.5, expected number >= 0, <= 1")
 bad("collider_rounder_than_it_is",
     {"/colliders": [{"plugin": "box", "centre": [0, 0, -9], "rounding": 2}]},
     "at /colliders/0", "rounding is more", beyond="plugin")
