@@ -79,7 +79,7 @@ void BlockSystem::factor(const deform::NodeValues& d, bool renew) {
       });
   cycle_->renew_finest();
   measure_inertia(d);
-  wants_new_ = wants_new_ || renew || !is_made_;
+  wants_new_ = wants_new_ || renew;
   is_current_ = false;
 }
 
@@ -94,7 +94,7 @@ void BlockSystem::measure_inertia(const deform::NodeValues& d) {
 /// eigenvalue of D⁻¹(K + diag(d)) is below the least d/D, for which the mean stands.
 double BlockSystem::iterations_by_diagonal(double tolerance) const {
   return inertia_ > 0 ? 0.5 * std::sqrt(kLargest / inertia_) * std::log(2 / tolerance)
-                      : 2 * kWorthIt;
+                      : deform::kInfinity;
 }
 
 Ending BlockSystem::iterate(double tolerance, int most, bool with_cycle) {
@@ -116,7 +116,7 @@ Ending BlockSystem::solve_by_cycles(double tolerance) {
     if (end.has_converged) return end;
   }
   if (!is_current_) cycle_->renew_coarse();
-  is_made_ = is_current_ = true;
+  is_current_ = true;
   wants_new_ = false;
   return iterate(tolerance, limits_.iterations, true);
 }
@@ -145,7 +145,8 @@ deform::Outcome BlockSystem::solve(const deform::NodeVectors& b, double toleranc
     end = iterate(kStricter * tolerance, kMostByDiagonal, false);
   if (!end.has_converged && !end.is_indefinite) end = solve_by_cycles(tolerance);
   if (end.is_indefinite) {
-    is_made_ = is_current_ = false;  // nothing of such a matrix helps the next
+    wants_new_ = true;  // nothing of such a matrix helps the next
+    is_current_ = false;
     return deform::Outcome::indefinite;
   }
   if (!end.has_converged) return deform::Outcome::unfinished;

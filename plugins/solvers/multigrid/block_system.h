@@ -43,9 +43,8 @@ class BlockSystem {
   std::optional<Cycle<Block>> cycle_;
   ConjugateGradients gradients_;
   Field<float> b_, x_;
-  bool is_made_ = false;     // there are coarse levels …
-  bool wants_new_ = true;    // … which must not be used any more
-  bool is_current_ = false;  // … of the matrix that is there
+  bool wants_new_ = true;    // there are no coarse levels that may be used
+  bool is_current_ = false;  // those that there are, are of the matrix that is there
   double inertia_ = 0;       // mean part of d in the diagonal
   int iterations_ = 0;
 };

@@ -5,6 +5,10 @@ namespace deform {
 
 /// Forces that cancel to this part of what they are made of count as balanced where no step helps.
 inline constexpr double kRoundingOfForces = 1e-6;
+/// A step below this part of the size, and the rounding of positions, moves nothing: what is left
+/// of the residual is the rounding of forces, of which some are far larger than all that is at
+/// work.
+inline constexpr double kRoundingOfPositions = 1e-13;
 /// Part of a direction's error that an iterative solver may leave.
 inline constexpr double kForcing = 0.02;
 

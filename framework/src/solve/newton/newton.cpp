@@ -41,10 +41,6 @@ constexpr double kForcingAtKinks = 0.1;
 constexpr int kMostDoublings = 6;
 /// What a sum of energies may be wrong by, relative.
 constexpr double kRoundingOfEnergy = 1e-13;
-/// A Newton step below this part of the size and the rounding of positions moves nothing: what is
-/// left of the residual is the rounding of forces, of which some are far larger than all that is at
-/// work.
-constexpr double kRoundingOfPositions = 1e-13;
 /// Forces that no symmetric tangent knows (drag that turns, followers at a border): after so many
 /// steps, and this close to a solution, their whole Jacobian is worth what it costs.
 constexpr std::int64_t kSlow = 10;

@@ -30,9 +30,8 @@ constexpr long kFew = 8, kNotMany = 25;
 constexpr double kShorter = 0.25;
 /// The longest is so many times the first: inertia is negligible by then.
 constexpr double kLongest = 1e6;
-constexpr double kStill = 1e-13;
-constexpr int kMostFailures = 20;
-constexpr int kMostSteps = 2000;
+/// In a row, each with a shorter pseudo-step; and pseudo-steps of an equilibrium, at most.
+constexpr int kMostFailures = 20, kMostSteps = 2000;
 /// Part of what is unbalanced that a pseudo-step's own equation may leave.
 constexpr double kStageForcing = 0.1, kLoosest = 0.03;
 
@@ -55,7 +54,7 @@ struct Relaxation::Impl {
   /// Where nothing moves, forces are balanced that cancel to their rounding.
   [[nodiscard]] bool is_balanced() const {
     return unbalanced <= settings.tolerance ||
-           (moved <= kStill * size && unbalanced <= kRoundingOfForces);
+           (moved <= kRoundingOfPositions * size && unbalanced <= kRoundingOfForces);
   }
 
   RelaxationSettings settings;

@@ -73,11 +73,8 @@ double StageObjective::distance_bound(double promised) const {
 
 double StageObjective::error_allowed(const State& state) const {
   if (share_ == 0 || stage_->error_per_change == 0) return 0;
-  const NodeValues& mass = system_->mass();
-  double sum = 0;
-  for (int c = 0; c < 3; ++c)
-    sum += mass.dot((state.r.col(c) - stage_->prediction.col(c)).cwiseAbs2());
-  return share_ * stage_->error_per_change * std::sqrt(sum / mass.sum());
+  change_ = state.r - stage_->prediction;
+  return share_ * stage_->error_per_change * length(change_);
 }
 
 void StageObjective::begin_path(State& state) {

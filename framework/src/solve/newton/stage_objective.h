@@ -105,13 +105,14 @@ class StageObjective final : public Objective {
   double share_ = 0;
   double size_ = 0, scale_ = 0;
   long solver_iterations_ = 0;
-  NodeValues mass_, damping_;  // M/τ², Γ/τ [N/m]
-  NodeValues diagonal_;        // their sum
-  NodeVectors inertial_;       // r_base + τ v_base
-  NodeVectors force_;          // f
-  NodeVectors residual_;       // F
-  NodeVectors target_;         // F and what predicted contacts want
-  Eigen::Array3Xd squares_;    // sums of squares of some nodes, [N²]
+  NodeValues mass_, damping_;   // M/τ², Γ/τ [N/m]
+  NodeValues diagonal_;         // their sum
+  NodeVectors inertial_;        // r_base + τ v_base
+  NodeVectors force_;           // f
+  NodeVectors residual_;        // F
+  NodeVectors target_;          // F and what predicted contacts want
+  mutable NodeVectors change_;  // from the prediction; kept for its memory
+  Eigen::Array3Xd squares_;     // sums of squares of some nodes, [N²]
   WorkPath path_, marked_;
 };
 
