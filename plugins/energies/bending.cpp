@@ -1,4 +1,4 @@
-#include <deform/model/energy_term.h>
+#include <deform/model/quadratic_term.h>
 
 namespace {
 using namespace deform;
@@ -17,12 +17,27 @@ struct Parameters {
   }
 };
 
+/// ½ Σ xi_ij (B_ij − B⁰_ij)² with all of its gradient.
+class CurvatureNorm final : public QuadraticTerm {
+ public:
+  explicit CurvatureNorm(const PairWeights& xi)
+      : QuadraticTerm(Form::curvature), c_(weighted_norm_stiffness(0.5, xi)) {}
+  [[nodiscard]] bool is_diagonal() const override { return true; }
+  void stiffness(const GeometryBlock& rest, FormStiffness& c) const override {
+    for (Index s = 0; s < rest.size(); ++s) c.set(s, c_);
+  }
+
+ private:
+  Eigen::Matrix3d c_;
+};
+
 /// ½ Σ xi_ij (B_ij − B⁰_ij)², and of its gradient the part that the paper keeps, e = Σ ∂_ij(β_ij n)
 /// (19) with β_ij = xi_ij (B_ij − B⁰_ij) (20), for any normal estimator.
 class Bending final : public JetTerm {
  public:
   Bending(const Parameters& p, const Setup& setup)
       : xi_(p.xi),
+        norm_(p.xi),
         normal_(setup.create<NormalEstimator>(p.normal)),
         expanded_(p.form == "expanded") {}
 
@@ -52,6 +67,18 @@ class Bending final : public JetTerm {
   void affine_stress(const SampleBlock& block, const AffineStress& sigma) const override {
     for (const Pair ij : kPairs)
       expanded_ ? add_expanded(block, ij, sigma) : add_divergence(block, ij, sigma);
+  }
+
+  /// That of the whole gradient, from which e differs in terms of lower order.
+  void tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const override {
+    norm_.tangent(block, kind, h);
+  }
+  [[nodiscard]] bool has_normal_tangent(Tangent kind) const override {
+    return norm_.has_normal_tangent(kind);
+  }
+  void normal_tangent(const SampleBlock& block, Tangent kind,
+                      const NormalTangent& c) const override {
+    norm_.normal_tangent(block, kind, c);
   }
 
   [[nodiscard]] int auxiliary_fields() const override { return expanded_ ? 3 : 0; }
@@ -135,6 +162,7 @@ class Bending final : public JetTerm {
   static constexpr std::array<std::pair<int, int>, 4> kOrders{{{1, 1}, {1, 2}, {2, 1}, {2, 2}}};
 
   PairWeights xi_;
+  CurvatureNorm norm_;
   std::shared_ptr<NormalEstimator> normal_;
   bool expanded_;
 };

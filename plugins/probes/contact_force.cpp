@@ -21,11 +21,9 @@ class ContactForce final : public Probe {
     std::ranges::fill(figures, kNoFigure);
     const ContactReport& contact = frame.system.step_report().contact;
     if (frame.system.contact().bodies() == 0 || !(contact.time() > 0)) return;
-    std::ranges::fill(figures, 0);
-    if (!contact.any()) return;
     const Index nodes = frame.system.nodes();
-    const NodeVectors normal = contact.normal_impulse().topRows(nodes) / contact.time();
-    const NodeVectors friction = contact.friction_impulse().topRows(nodes) / contact.time();
+    const NodeVectors normal = contact.normal_force(nodes),
+                      friction = contact.friction_force(nodes);
     const Vec3 sum = (normal + friction).colwise().sum().transpose();
     const NodeValues sizes = normal.rowwise().norm();
     const std::array all{sum.x(),

@@ -46,15 +46,6 @@ std::vector<double> at_nodes(const SampleSet& samples, const std::vector<double>
   return sums;
 }
 
-/// Sizes of mean forces in the last step, by area [Pa]; NaN where none is known.
-NodeValues pressures(const ContactReport& contact, const NodeVectors& impulse,
-                     const NodeValues& areas) {
-  if (!(contact.time() > 0))
-    return NodeValues::Constant(areas.size(), std::numeric_limits<double>::quiet_NaN());
-  if (!contact.any()) return NodeValues::Zero(areas.size());
-  return impulse.topRows(areas.size()).rowwise().norm().cwiseQuotient(contact.time() * areas);
-}
-
 }  // namespace
 
 NodeFields::NodeFields(const System& system) : terms_(jet_terms(system)) {
@@ -100,8 +91,10 @@ const std::vector<std::vector<float>>& NodeFields::evaluate(const Frame& frame) 
   }
   if (with_contact_) {
     const ContactReport& contact = frame.system.step_report().contact;
-    put(pressures(contact, contact.normal_impulse(), frame.system.areas()));
-    put(pressures(contact, contact.friction_impulse(), frame.system.areas()));
+    const NodeValues& areas = frame.system.areas();
+    const Index nodes = frame.system.nodes();
+    for (const NodeVectors& force : {contact.normal_force(nodes), contact.friction_force(nodes)})
+      put(NodeValues(force.rowwise().norm().cwiseQuotient(areas)));
   }
   return values_;
 }

@@ -246,17 +246,13 @@ class Vtk final : public Output {
       fields.add_to(shot, frame, &fields == &on_nodes_.front());
   }
 
-  /// Mean forces of colliders in the last step [N]; 0 where none is known.
+  /// Mean forces of colliders in the last step [N]; not numbers where none is known.
   static void add_contact(Shot& shot, const Frame& frame) {
     if (frame.system.contact().bodies() == 0) return;
     const ContactReport& contact = frame.system.step_report().contact;
-    const auto force = [&](const NodeVectors& impulse) -> NodeVectors {
-      if (!contact.any() || !(contact.time() > 0))
-        return NodeVectors::Zero(frame.system.nodes(), 3);
-      return impulse.topRows(frame.system.nodes()) / contact.time();
-    };
-    shot.data->add("contact_force", kept(shot, force(contact.normal_impulse())));
-    shot.data->add("friction_force", kept(shot, force(contact.friction_impulse())));
+    const Index nodes = frame.system.nodes();
+    shot.data->add("contact_force", kept(shot, contact.normal_force(nodes)));
+    shot.data->add("friction_force", kept(shot, contact.friction_force(nodes)));
   }
 
   void take_cloud(Cloud& cloud, const Frame& frame, Shot& shot) {

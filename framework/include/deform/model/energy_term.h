@@ -163,7 +163,10 @@ class DEFORM_API JetTerm : public EnergyTerm {
   /// potential depends on these alone and nothing else of the term says that it reads more. A term
   /// with normal tangents gets the normal in any case.
   [[nodiscard]] virtual Geometry::Detail reads() const;
-  /// Adds the second derivatives of the density at block.now; only for terms with a potential.
+  /// Adds the second derivatives of the density at block.now. Terms without a potential are asked
+  /// for the projected ones alone: an approximation, positive semidefinite, of their stress's
+  /// derivative, with which implicit steps precondition; those of the strong form are asked where
+  /// they have normal tangents.
   /// Default: central differences of the stress, made positive semidefinite by their spectrum
   /// where that is asked for.
   virtual void tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const;

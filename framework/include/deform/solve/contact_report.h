@@ -37,6 +37,10 @@ class DEFORM_API ContactReport {
   /// (N × 3) [N·s]
   [[nodiscard]] const NodeVectors& normal_impulse() const { return normal_; }
   [[nodiscard]] const NodeVectors& friction_impulse() const { return friction_; }
+  /// Their means over the time on the first so many rows, a surface's nodes (N × 3) [N]; not a
+  /// number where nothing is known.
+  [[nodiscard]] NodeVectors normal_force(Index nodes) const { return mean(normal_, nodes); }
+  [[nodiscard]] NodeVectors friction_force(Index nodes) const { return mean(friction_, nodes); }
   /// Done on the surface [J]: impulses times the mean of the velocities before and after, which is
   /// their share in the change of kinetic energy.
   [[nodiscard]] double normal_work() const { return normal_work_; }
@@ -47,6 +51,8 @@ class DEFORM_API ContactReport {
   void load(const Memory& memory, Index rows);
 
  private:
+  [[nodiscard]] NodeVectors mean(const NodeVectors& impulse, Index nodes) const;
+
   double time_ = 0;
   bool any_ = false;
   NodeVectors normal_, friction_;

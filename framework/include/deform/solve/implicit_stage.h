@@ -62,17 +62,18 @@ struct StageSettings {
 /// Energies with a potential: Newton's method (Newton) on Φ, with the exact tangent while that is
 /// positive definite, else the projected one, along paths that rotate parts of the surface by
 /// finite angles (Path). Forces without a potential (drag, damping of materials, followers) count
-/// by their work along the path, with the symmetric part of their tangent; where that converges
-/// slowly close to a solution, with the Jacobian of all forces. Colliders are constraints that
+/// by their work along the path, with the symmetric part of their tangent; close to a solution with
+/// the Jacobian of all forces, by a Krylov method that has that tangent for a preconditioner (Knoll
+/// & Keyes 2004). Colliders are constraints that
 /// every iterate keeps, with reactions; friction (Coulomb's law, sticking included) is by
 /// multipliers that are updated until they hold.
 ///
 /// Where an error may be left, and without colliders, it first tries to do without Φ, by
 /// corrections alone that contract; the search with Φ may end so, too, where that falls.
 ///
-/// Some energy without a potential: Newton's method on the force, with its Jacobian by coloured
-/// differences (quasi-Newton by name: "differences"), searching along it for a smaller residual;
-/// colliders amend the step's end.
+/// Some energy without a potential: Newton's method on the force, likewise, searching for a smaller
+/// residual; where the Krylov method does not help, with its Jacobian by coloured differences
+/// ("differences" by name). Colliders amend the step's end.
 class DEFORM_API ImplicitStage {
  public:
   explicit ImplicitStage(StageSettings settings);

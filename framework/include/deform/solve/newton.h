@@ -44,9 +44,6 @@ class DEFORM_API Objective {
   /// From the last F, by the tangent of the last direction.
   [[nodiscard]] virtual std::string find_direction_again(double tolerance,
                                                          NodeVectors& direction) = 0;
-  /// As `find_direction`, by the derivative of all of F where the tangent knows but a part of it;
-  /// false where it knows all, or that is no descent.
-  [[nodiscard]] virtual bool find_full_direction(State& state, NodeVectors& direction);
   /// Φ's change by a unit step in a direction from the last evaluation, to first order [J].
   [[nodiscard]] virtual double slope(const NodeVectors& direction) const = 0;
 

@@ -39,8 +39,9 @@ struct BlockEntry {
   Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
 };
 
-/// K = −∂f/∂r of all terms with a potential and all force fields that know theirs, what else is
-/// added to it, and its linear solvers. One for each use; `system` must live as long.
+/// K = −∂f/∂r of all terms with a potential and all force fields that know theirs, an approximation
+/// of it of other terms (JetTerm::tangent), what else is added to it, and its linear solvers. One
+/// for each use; `system` must live as long.
 class DEFORM_API NewtonMatrix {
  public:
   explicit NewtonMatrix(const System& system);

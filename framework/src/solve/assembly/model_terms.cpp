@@ -6,6 +6,7 @@
 #include "plugin/guard.h"
 #include "solve/assembly/pattern.h"
 #include "solve/assembly/step_strains_impl.h"
+#include "solve/assembly/tangent_assembler.h"
 #include "solve/stopwatch.h"
 
 namespace deform {
@@ -92,6 +93,14 @@ void ModelTerms::make_lagged_pattern() {
 bool ModelTerms::know_strains() const {
   return std::ranges::any_of(traits_, [](const TermTraits& t) { return t.strains; }) ||
          std::ranges::any_of(tuples_, [](const TupleAssembler& t) { return t.averages(); });
+}
+
+bool ModelTerms::have_tangents() const {
+  const auto have = [](const SetTerms& set) {
+    return std::ranges::all_of(set.assembler.terms(), TangentAssembler::has_tangent);
+  };
+  return std::ranges::all_of(sets_, have) &&
+         std::ranges::all_of(tuples_, [](const TupleAssembler& t) { return t.has_potential(); });
 }
 
 std::size_t ModelTerms::set_of(const SampleSet& samples) const {

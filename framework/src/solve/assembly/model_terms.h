@@ -65,6 +65,8 @@ class ModelTerms {
   [[nodiscard]] std::vector<double>& room_for_density() { return density_; }
   /// Whether some term has strains that a step can average.
   [[nodiscard]] bool know_strains() const;
+  /// Whether the matrix of a tangent has a part of every term (TangentAssembler).
+  [[nodiscard]] bool have_tangents() const;
 
   /// The number of one of the surface's sets here.
   [[nodiscard]] std::size_t set_of(const SampleSet& samples) const;

@@ -9,9 +9,19 @@
 
 namespace deform {
 
+bool TangentAssembler::has_tangent(const JetAssembler::Term& term) {
+  return term.traits.potential || !term.traits.strong_form ||
+         guarded(term.origin, "saying what its tangent is",
+                 [&] { return term.term->has_normal_tangent(Tangent::projected); });
+}
+
+Tangent TangentAssembler::kind_of(const JetAssembler::Term& term, Tangent kind) {
+  return term.traits.potential ? kind : Tangent::projected;
+}
+
 TangentAssembler::TangentAssembler(const JetAssembler& terms) : terms_(&terms) {
   for (const JetAssembler::Term& t : terms.terms()) {
-    if (!t.traits.potential) continue;
+    if (!has_tangent(t)) continue;
     for (const Derivative d :
          guarded(t.origin, "saying what it depends on", [&] { return t.term->dependence(); }))
       if (slot(d) > 0 && slot(d) < kDerivatives &&
@@ -40,18 +50,19 @@ bool TangentAssembler::depends(const GatherTable::Coefficients& l) const {
 
 bool TangentAssembler::is_normal(Tangent kind) const {
   return std::ranges::all_of(terms_->terms(), [&](const JetAssembler::Term& t) {
-    return !t.traits.potential || guarded(t.origin, "saying what its tangent is",
-                                          [&] { return t.term->has_normal_tangent(kind); });
+    return !has_tangent(t) || guarded(t.origin, "saying what its tangent is",
+                                      [&] { return t.term->has_normal_tangent(kind_of(t, kind)); });
   });
 }
 
 void TangentAssembler::evaluate_term(const JetAssembler::Term& term, const SampleBlock& block,
                                      Tangent kind, const Numbers& to) const {
   guarded(term.origin, "computing its tangent", [&] {
+    const Tangent own = kind_of(term, kind);
     if (to.along_normal)
-      term.term->normal_tangent(block, kind, NormalTangent(to.h, to.stride, places_, to.size));
+      term.term->normal_tangent(block, own, NormalTangent(to.h, to.stride, places_, to.size));
     else
-      term.term->tangent(block, kind, JetTangent(to.h, to.stride, places_, to.size));
+      term.term->tangent(block, own, JetTangent(to.h, to.stride, places_, to.size));
   });
 }
 
@@ -63,7 +74,7 @@ void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
   thread_local std::vector<double> one;  // of a term that is multiplied
   for (const JetAssembler::Term& t : terms_->terms()) {
     const double factor = factors.empty() ? 1 : factors[t.number];
-    if (!t.traits.potential || factor == 0) continue;
+    if (!has_tangent(t) || factor == 0) continue;
     const SampleBlock block = terms_->sample_block(geometries, t, first, size);
     if (factor == 1) {
       evaluate_term(t, block, kind, {h, stride, size, along_normal});

@@ -12,10 +12,14 @@
 
 namespace deform {
 
-/// Terms with a potential; the others have no part in a tangent.
+/// Terms with a potential; those without one have a positive semidefinite approximation of their
+/// stress's derivative, or no part in a tangent.
 class TangentAssembler {
  public:
   explicit TangentAssembler(const JetAssembler& terms);
+  /// Stresses of the strong form are derivatives of fields, which a sample alone does not know:
+  /// such terms have a tangent where they say how it is along the normal.
+  [[nodiscard]] static bool has_tangent(const JetAssembler::Term& term);
 
   /// Calls visit(a, b), a ≤ b, for every block that the tangent may have.
   template <class Visit>
@@ -54,6 +58,7 @@ class TangentAssembler {
   struct Block {
     int m, n;  // derivatives
   };
+  [[nodiscard]] static Tangent kind_of(const JetAssembler::Term& term, Tangent kind);
   [[nodiscard]] bool depends(const std::array<double, kDerivatives>& d) const;
   [[nodiscard]] bool depends(const GatherTable::Coefficients& l) const;
 

@@ -1,6 +1,7 @@
 #include "deform/solve/contact_report.h"
 
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "deform/error.h"
@@ -36,6 +37,13 @@ void ContactReport::add(const NodeValues& mass, const std::vector<ContactImpulse
 void ContactReport::clear() {
   time_ = normal_work_ = friction_work_ = 0;
   any_ = false;
+}
+
+NodeVectors ContactReport::mean(const NodeVectors& impulse, Index nodes) const {
+  if (!(time_ > 0))
+    return NodeVectors::Constant(nodes, 3, std::numeric_limits<double>::quiet_NaN());
+  if (!any_) return NodeVectors::Zero(nodes, 3);
+  return impulse.topRows(nodes) / time_;
 }
 
 void ContactReport::save(Memory& memory) const {

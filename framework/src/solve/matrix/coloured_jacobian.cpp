@@ -7,15 +7,9 @@
 
 #include "no_solver.h"
 #include "solve/assembly/pattern.h"
+#include "solve/matrix/difference_step.h"
 
 namespace deform {
-namespace {
-
-/// Of the surface's size: central differences of forces balance rounding and truncation there.
-constexpr double kRelativeStep = 1e-6;
-
-}  // namespace
-
 ColouredJacobian::ColouredJacobian(const ReductionMap& map,
                                    const std::vector<std::vector<std::int32_t>>& dependence,
                                    const std::vector<Freedom>& held, SolverSource solvers)
@@ -68,7 +62,7 @@ void ColouredJacobian::make_colours() {
 }
 
 void ColouredJacobian::differentiate(const NodeVectors& r, const ForceAt& force_at) {
-  const double step = kRelativeStep * characteristic_length(r);
+  const double step = kDifferenceStep * characteristic_length(r);
   std::ranges::fill(jacobian_.value, 0.0);
   NodeVectors direction(r.rows(), 3), change(r.rows(), 3);
   for (const std::vector<Index>& colour : colours_) {

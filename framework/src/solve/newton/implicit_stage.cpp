@@ -47,7 +47,7 @@ void ImplicitStage::Impl::measure_strains(const System& system, const Stage& sta
 /// Without a look at Φ, where that may do.
 bool ImplicitStage::Impl::contract(System& system, State& state) {
   const bool by_corrections = settings.newton_error > 0 || objective.error_allowed(state) > 0;
-  if (!by_corrections || !objective.has_potential() || system.contact().bodies() > 0) return false;
+  if (!by_corrections || system.contact().bodies() > 0) return false;
   objective.begin_path(state);
   if (!contraction.solve(objective, newton_settings(), *path, state, system.step_report()))
     return false;
@@ -102,6 +102,7 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
   const bool contracts = s.contract(system, state);
   const std::string reason = contracts ? "" : s.minimise(system, stage, state);
   system.step_report().solver_iterations += s.objective.solver_iterations();
+  system.step_report().with_jacobian += s.objective.completed_directions();
   if (!reason.empty()) return reason;
   s.objective.set_velocity(state);
   if (s.objective.has_contacts()) s.objective.contacts().forget_impacts(stage, system.mass());

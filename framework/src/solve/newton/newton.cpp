@@ -41,9 +41,7 @@ constexpr double kForcingAtKinks = 0.1;
 constexpr int kMostDoublings = 6;
 /// What a sum of energies may be wrong by, relative.
 constexpr double kRoundingOfEnergy = 1e-13;
-/// Forces that no symmetric tangent knows (drag that turns, followers at a border): after so many
-/// steps, and this close to a solution, their whole Jacobian is worth what it costs.
-constexpr std::int64_t kSlow = 10;
+/// Residuals, relative to the forces at work, that are close to a solution's.
 constexpr double kClose = 0.2;
 /// Where a merit may fall on and on along a path that leads round, and after so many steps nothing
 /// is close, a shorter time step does better.
@@ -52,7 +50,6 @@ constexpr std::int64_t kMostRoundabout = 12;
 }  // namespace
 
 Objective::~Objective() = default;
-bool Objective::find_full_direction(State& /*state*/, NodeVectors& /*direction*/) { return false; }
 void Objective::confine(State& /*state*/) {}
 double Objective::step_limit(const Path& /*path*/) { return kInfinity; }
 double Objective::length(const NodeVectors& displacement) const {
@@ -74,7 +71,7 @@ struct Newton::Impl {
   [[nodiscard]] bool accepts(State& state, double norm, Objective::Ending ending);
   [[nodiscard]] bool leaves_little(const State& state, const Correction& correction) const;
   [[nodiscard]] bool ends(State& state);
-  [[nodiscard]] std::string find_direction(State& state, std::int64_t iteration, double relative);
+  [[nodiscard]] std::string find_direction(State& state, double relative);
   [[nodiscard]] std::string why_no_solution(std::int64_t iteration, double relative) const;
   /// Part of a direction's error that may be left.
   [[nodiscard]] double forcing() const { return f->has_kinks() ? kForcingAtKinks : kForcing; }
@@ -331,14 +328,8 @@ std::string Newton::Impl::search(State& state, double norm, double limit) {
 }
 
 /// Newton's direction; "" or why there is none.
-std::string Newton::Impl::find_direction(State& state, std::int64_t iteration, double relative) {
+std::string Newton::Impl::find_direction(State& state, double relative) {
   if (!std::isfinite(relative)) return "forces are not finite";
-  const bool is_slow =
-      f->has_potential() && kind != Tangent::projected && iteration >= kSlow && relative <= kClose;
-  if (is_slow && f->find_full_direction(state, direction)) {
-    ++report->with_jacobian;
-    return "";
-  }
   std::string reason = f->find_direction(state, forcing(), kind, direction);
   if (kind == Tangent::projected) ++report->projected;
   return reason;
@@ -366,7 +357,7 @@ std::string Newton::Impl::iterate(State& state) {
     if (i == settings.iterations || goes_round || (!is_nonmonotone && !std::isfinite(norm)))
       return why_no_solution(i, relative);
     ++report->iterations;
-    std::string reason = find_direction(state, i, relative);
+    std::string reason = find_direction(state, relative);
     if (!reason.empty()) {
       if (!may_go_back()) return "no direction of descent (" + reason + ")";
       go_back(state);

@@ -10,8 +10,11 @@
 
 #include "not_finite.h"
 #include "profile/profile.h"
+#include "solve/matrix/difference_step.h"
+#include "solve/matrix/flexible_gmres.h"
 #include "solve/newton/convergence.h"
 #include "solve/newton/descent_direction.h"
+#include "solve/system_parts.h"
 
 namespace deform {
 namespace {
@@ -21,6 +24,14 @@ constexpr Index kRows = 2048;
 /// Where no step moves anything, friction agrees with the normal forces if making it that of these
 /// leaves no more than so many times the residual.
 constexpr double kSameResidual = 2;
+/// Farther from a solution (residuals relative to the forces at work) forces that no symmetric
+/// tangent knows are not worth looking at.
+constexpr double kClose = 0.2;
+/// Of the Krylov space that a direction is looked for in, at most; and the residual that a
+/// direction without a potential may leave of its equation: |F| falls along it as long as that is
+/// below 1.
+constexpr int kMostVectors = 30;
+constexpr double kGoodEnough = 0.5;
 /// Active sets of one direction, at most.
 constexpr int kMostSets = 2;
 
@@ -36,10 +47,11 @@ void StageObjective::begin(const System& system, const Stage& s, const StepStrai
   stage_ = &s;
   strains_ = &strains;
   has_potential_ = system.evaluator().energies_have_potential();
+  has_tangents_ = SystemParts::of(system).assembly.terms.have_tangents();
   has_nonconservative_ = system.evaluator().has_nonconservative_force(strains_);
   with_contacts_ = has_potential_ && system.contact().bodies() > 0;
   has_changed_ = false;
-  solver_iterations_ = 0;
+  solver_iterations_ = completed_directions_ = 0;
   size_ = deform::characteristic_length(system.rest());
   mass_ = system.mass() / (s.tau * s.tau);
   damping_ = system.damping() / s.tau;
@@ -115,8 +127,13 @@ double StageObjective::merit(State& state) {
   }
 }
 
+/// Forces, and the tangent.
 void StageObjective::evaluate_tangent(State& state, Tangent kind, const NodeVectors* before) {
   system_->evaluator().force(state, force_, strains_);
+  evaluate_matrix(state, kind, before);
+}
+
+void StageObjective::evaluate_matrix(const State& state, Tangent kind, const NodeVectors* before) {
   matrix_->evaluate(state, {.kind = kind,
                             .before = before,
                             .rate = 1 / stage_->tau,
@@ -140,11 +157,8 @@ void StageObjective::begin_contact(State& state) {
 }
 
 double StageObjective::evaluate(State& state, Tangent kind, const NodeVectors& before) {
+  if (!has_potential_) return evaluate_residual(state);
   set_velocity(state);
-  if (!has_potential_) {
-    system_->evaluator().force(state, force_, strains_);
-    return residual(state);
-  }
   const bool is_mixed = kind == Tangent::mixed && before.rows() > 0;
   evaluate_tangent(state, kind, is_mixed ? &before : nullptr);
   if (has_nonconservative_) {
@@ -217,11 +231,7 @@ ForceJacobian& StageObjective::jacobian() {
 
 std::string StageObjective::find_direction(State& state, double tolerance, Tangent& kind,
                                            NodeVectors& direction) {
-  if (!has_potential_) {
-    jacobian().evaluate(state, 1 / stage_->tau, strains_);
-    const std::string reason = jacobian().factor(diagonal_);
-    return reason.empty() ? jacobian().solve(residual_, direction) : reason;
-  }
+  if (!has_potential_) return find_direction_without_potential(state, tolerance, kind, direction);
   if (!with_contacts_) return find_descent(state, residual_, tolerance, kind, direction);
   contacts_.begin_direction();
   std::string reason;
@@ -240,6 +250,23 @@ std::string StageObjective::find_direction(State& state, double tolerance, Tange
   return reason;
 }
 
+/// Along which |F| falls.
+std::string StageObjective::find_direction_without_potential(State& state, double tolerance,
+                                                             Tangent& kind,
+                                                             NodeVectors& direction) {
+  by_differences_ = true;
+  if (has_tangents_) {
+    if (kind == Tangent::mixed) kind = Tangent::exact;
+    evaluate_matrix(state, kind, nullptr);
+    by_differences_ = !find_descent(state, residual_, tolerance, kind, direction).empty() ||
+                      complete(state, residual_, tolerance, direction) > kGoodEnough;
+  }
+  if (!by_differences_) return "";
+  jacobian().evaluate(state, 1 / stage_->tau, strains_);
+  const std::string reason = jacobian().factor(diagonal_);
+  return reason.empty() ? jacobian().solve(residual_, direction) : reason;
+}
+
 std::string StageObjective::find_descent(State& state, const NodeVectors& b, double tolerance,
                                          Tangent& kind, NodeVectors& direction) {
   DescentDirection descent{*matrix_, *system_, b, diagonal_, tolerance};
@@ -251,27 +278,70 @@ std::string StageObjective::find_descent(State& state, const NodeVectors& b, dou
   };
   std::string reason = descent.find(kind, project, direction);
   solver_iterations_ += descent.solver_iterations();
+  const bool is_close = kind != Tangent::projected && residual_.norm() <= kClose * scale_;
+  if (reason.empty() && has_potential_ && has_nonconservative_ && is_close)
+    (void)complete(state, b, tolerance, direction);
   return reason;
 }
 
 std::string StageObjective::find_direction_again(double tolerance, NodeVectors& direction) {
+  if (!has_potential_ && by_differences_) return jacobian().solve(residual_, direction);
   std::string reason = matrix_->solve_again(tolerance, residual_, direction);
   solver_iterations_ += matrix_->solver_iterations();
   return reason;
 }
 
-bool StageObjective::find_full_direction(State& state, NodeVectors& direction) {
-  if (is_gradient()) return false;
-  if (with_contacts_ && contacts_.any()) return false;  // not in the Jacobian
-  if (!has_jacobian_solver_) return false;
-  try {
-    jacobian().evaluate(state, 1 / stage_->tau, strains_);
-    return jacobian().factor(diagonal_).empty() && jacobian().solve(residual_, direction).empty() &&
-           slope(direction) < 0;
-  } catch (const InputError&) {  // the scene names a solver that does not take such a matrix
-    has_jacobian_solver_ = false;
-    return false;
+/// J y for the whole Jacobian J of F with what contact adds: Tᵀ((M/τ² + Γ/τ + C) y − ∂f/∂r y), the
+/// last by a central difference of all forces along y, velocities moving with positions.
+void StageObjective::multiply_jacobian(const State& state, const NodeVectors& y,
+                                       NodeVectors& product) {
+  const double farthest = y.cwiseAbs().maxCoeff();
+  product.setZero(y.rows(), 3);
+  if (!(farthest > 0)) return;
+  const double step = kDifferenceStep * size_ / farthest;
+  const auto force_at = [&](double s, NodeVectors& force) {
+    displaced_.r = state.r + s * y;
+    set_velocity(displaced_);
+    system_->evaluator().force(displaced_, force, strains_);
+  };
+  force_at(step, force_ahead_);
+  force_at(-step, product);
+  product = (product - force_ahead_) / (2 * step);
+  for (int c = 0; c < 3; ++c) product.col(c) += diagonal_.cwiseProduct(y.col(c));
+  for (const BlockEntry& e : contact_tangent_) {
+    product.row(e.a) += y.row(e.b) * e.block.transpose();
+    if (e.a != e.b) product.row(e.b) += y.row(e.a) * e.block;
   }
+  system_->constraints().reduce_force(product);
+}
+
+/// Makes a direction that solves with the symmetric tangent one that solves with the whole
+/// Jacobian, which is never made: a Jacobian-free Newton–Krylov method (Knoll & Keyes 2004) whose
+/// preconditioner is that tangent. Returns the residual that it leaves, relative to b; 1 where the
+/// direction remains.
+double StageObjective::complete(const State& state, const NodeVectors& b, double tolerance,
+                                NodeVectors& direction) {
+  const Span span("whole Jacobian");
+  const FlexibleGmres gmres(
+      [&](const NodeVectors& y, NodeVectors& product) {
+        multiply_jacobian(state, y, product);
+        return true;
+      },
+      [&](const NodeVectors& v, NodeVectors& z) {
+        const bool solved = matrix_->solve_again(tolerance, v, z).empty();
+        solver_iterations_ += matrix_->solver_iterations();
+        return solved;
+      });
+  NodeVectors completed = direction;
+  KrylovSolution found;
+  try {
+    found = gmres.solve(b, {.tolerance = tolerance, .vectors = kMostVectors}, completed);
+  } catch (const NotFinite&) {  // where forces end, there is no derivative
+  }
+  if (found.vectors > 1) ++completed_directions_;
+  if (found.vectors == 0 || (has_potential_ && !(slope(completed) < 0))) return 1;
+  direction = completed;
+  return found.residual;
 }
 
 }  // namespace deform

@@ -33,6 +33,8 @@ class StageObjective final : public Objective {
   void begin_path(State& state);
   /// Of the linear solver, since the stage began.
   [[nodiscard]] long solver_iterations() const { return solver_iterations_; }
+  /// Directions since the stage began that took more of the Jacobian than its symmetric part.
+  [[nodiscard]] long completed_directions() const { return completed_directions_; }
 
   [[nodiscard]] double merit(State& state) override;
   [[nodiscard]] double evaluate(State& state, Tangent kind, const NodeVectors& before) override;
@@ -41,7 +43,6 @@ class StageObjective final : public Objective {
   [[nodiscard]] std::string find_direction(State& state, double tolerance, Tangent& kind,
                                            NodeVectors& direction) override;
   [[nodiscard]] std::string find_direction_again(double tolerance, NodeVectors& direction) override;
-  [[nodiscard]] bool find_full_direction(State& state, NodeVectors& direction) override;
   [[nodiscard]] double slope(const NodeVectors& direction) const override {
     return -residual_.cwiseProduct(direction).sum();
   }
@@ -83,9 +84,15 @@ class StageObjective final : public Objective {
   [[nodiscard]] double incremental_potential(const State& state);
   [[nodiscard]] double work_to(const State& state, const NodeVectors& force) const;
   void evaluate_tangent(State& state, Tangent kind, const NodeVectors* before);
+  void evaluate_matrix(const State& state, Tangent kind, const NodeVectors* before);
   void add_contact_tangent();
   [[nodiscard]] std::string find_descent(State& state, const NodeVectors& b, double tolerance,
                                          Tangent& kind, NodeVectors& direction);
+  [[nodiscard]] double complete(const State& state, const NodeVectors& b, double tolerance,
+                                NodeVectors& direction);
+  [[nodiscard]] std::string find_direction_without_potential(State& state, double tolerance,
+                                                             Tangent& kind, NodeVectors& direction);
+  void multiply_jacobian(const State& state, const NodeVectors& y, NodeVectors& product);
   [[nodiscard]] double residual(const State& state);
   [[nodiscard]] Eigen::Array3d find_residual(const State& state, Index first, Index size);
   [[nodiscard]] ForceJacobian& jacobian();
@@ -99,18 +106,21 @@ class StageObjective final : public Objective {
   NodeValues rest_stiffness_;                // (N) of nodes, of the surface at rest [N/m]
   std::vector<BlockEntry> contact_tangent_;  // what the matrix has of it
   bool has_potential_ = true, has_nonconservative_ = false;
+  bool has_tangents_ = true;     // of all energies, exact or approximate
+  bool by_differences_ = false;  // the last direction
   bool with_contacts_ = false, has_changed_ = false;
-  bool has_jacobian_solver_ = true;  // as far as is known
-  double tolerance_ = 0;             // of the residual, relative to the scale
+  double tolerance_ = 0;  // of the residual, relative to the scale
   double share_ = 0;
   double size_ = 0, scale_ = 0;
-  long solver_iterations_ = 0;
+  long solver_iterations_ = 0, completed_directions_ = 0;
   NodeValues mass_, damping_;   // M/τ², Γ/τ [N/m]
   NodeValues diagonal_;         // their sum
   NodeVectors inertial_;        // r_base + τ v_base
   NodeVectors force_;           // f
   NodeVectors residual_;        // F
   NodeVectors target_;          // F and what predicted contacts want
+  State displaced_;             // for products with the Jacobian …
+  NodeVectors force_ahead_;     // … and the force ahead
   mutable NodeVectors change_;  // from the prediction; kept for its memory
   Eigen::Array3Xd squares_;     // sums of squares of some nodes, [N²]
   WorkPath path_, marked_;
