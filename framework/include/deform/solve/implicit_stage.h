@@ -72,8 +72,8 @@ struct StageSettings {
 /// corrections alone that contract; the search with Φ may end so, too, where that falls.
 ///
 /// Some energy without a potential: Newton's method on the force, likewise, searching for a smaller
-/// residual; where the Krylov method does not help, with its Jacobian by coloured differences
-/// ("differences" by name). Colliders amend the step's end.
+/// residual; where the Krylov method does not help, with its Jacobian by coloured differences.
+/// Colliders amend the step's end.
 class DEFORM_API ImplicitStage {
  public:
   explicit ImplicitStage(StageSettings settings);
