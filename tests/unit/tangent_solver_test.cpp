@@ -22,7 +22,9 @@ class Endless final : public LinearSolver, public BlockSolver {
   void analyse(const BlockMatrix& /*pattern*/, const std::vector<std::uint8_t>& /*held*/) override {
   }
   void put(const BlockRows& rows) override { nodes += rows.size; }
-  void factor(const NodeValues& d, bool /*renew*/) override { diagonal = d; }
+  void factor(const NodeValues& d, const NodeBlocks& /*blocks*/, bool /*renew*/) override {
+    diagonal = d;
+  }
   [[nodiscard]] Outcome solve(const NodeVectors& /*b*/, double /*tolerance*/,
                               NodeVectors& /*x*/) override {
     return Outcome::unfinished;
@@ -67,7 +69,7 @@ TEST(TangentSolver, HandsOverTheWholeMatrix) {
   solver.put(k);
   EXPECT_EQ(endless->nodes, kNodes);
   const NodeValues d = NodeValues::Constant(kNodes, 0.5), beside = NodeValues::Constant(kNodes, 2);
-  ASSERT_EQ(solver.factor_to_tolerance(d, beside, true), "");
+  ASSERT_EQ(solver.factor_to_tolerance(d, beside, {}, true), "");
   EXPECT_EQ(endless->diagonal, beside);
   const NodeVectors b = NodeVectors::Ones(kNodes, 3);
   NodeVectors x, product;
@@ -91,7 +93,7 @@ TEST(TangentSolver, SaysWhyWhereItIsAlone) {
   ASSERT_TRUE(solver.takes_rows());
   solver.put(k);
   const NodeValues d = NodeValues::Ones(4);
-  ASSERT_EQ(solver.factor_to_tolerance(d, d, true), "");
+  ASSERT_EQ(solver.factor_to_tolerance(d, d, {}, true), "");
   NodeVectors x;
   EXPECT_NE(solver.solve_to_tolerance(0.1, false, NodeVectors::Ones(4, 3), x).find("endless"),
             std::string::npos);

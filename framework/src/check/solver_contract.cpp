@@ -150,11 +150,13 @@ void check_blocks(const Subject& subject, const Terrain& terrain, Checks& checks
   held[0] = 7, held[5] = 2;
   solver.analyse(k, held);
   const NodeValues d = NodeValues::Constant(k.nodes, 0.1);
+  NodeBlocks blocks = NodeBlocks::Zero(k.nodes, 6);  // of contact along (1, 2, 3), here and there
+  for (Index a = 0; a < k.nodes; a += 3) blocks.row(a) << 1, 2, 3, 4, 6, 9;
   NodeVectors b = right_hand_sides(k.nodes), x, again, product;
   const auto hold = [](NodeVectors& v) { v.row(0).setZero(), v(5, 1) = 0; };
   const auto factor = [&](const BlockMatrix& matrix) {
     for (Index a = 0; a < matrix.nodes; ++a) solver.put(matrix.row(a));
-    solver.factor(d, true);
+    solver.factor(d, blocks, true);
   };
   factor(k);
   checks.holds("solves with definite matrices of blocks",
@@ -164,6 +166,8 @@ void check_blocks(const Subject& subject, const Terrain& terrain, Checks& checks
   checks.holds("leaves held components at 0", kept == x, "they move");
   k.multiply(x, product);
   product += d.asDiagonal() * x;
+  for (Index a = 0; a < k.nodes; a += 3)
+    product.row(a) += x.row(a).dot(Eigen::RowVector3d(1, 2, 3)) * Eigen::RowVector3d(1, 2, 3);
   hold(product), hold(b);
   checks.below("|A x − b| / |b|, blocks, tolerance 1e-5", (product - b).norm() / b.norm(), 1e-3);
   const BlockMatrix negative = block_matrix(*made.surface, -1);

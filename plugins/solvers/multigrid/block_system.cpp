@@ -17,6 +17,9 @@ constexpr double kStricter = 0.1;
 constexpr double kWorthIt = 90;
 /// … and are given up for these after so many.
 constexpr int kMostByDiagonal = 150;
+/// Of the nine numbers of a symmetric block, row by row: which of its six each is; and of the six,
+/// which of the nine they are first.
+constexpr Index kOfNine[9] = {0, 1, 2, 1, 3, 4, 2, 4, 5}, kOfSix[6] = {0, 1, 2, 4, 5, 8};
 
 std::vector<Held> nodes_held(const std::vector<std::uint8_t>& components) {
   std::vector<Held> held;
@@ -31,7 +34,7 @@ BlockSystem::BlockSystem(const deform::BlockMatrix& pattern, const std::vector<s
                          const std::vector<deform::Prolongation>& coarsening, Limits limits)
     : limits_(limits),
       pattern_{pattern.nodes, pattern.row_begin, pattern.column},
-      diagonal_(pattern.nodes, 3) {
+      diagonal_(pattern.nodes, 6) {
   cycle_.emplace(pattern_, nodes_held(held), coarsening, Finest::additive);
   cycle_->finest().assign(b_);
   cycle_->finest().assign(x_);
@@ -54,8 +57,8 @@ void BlockSystem::put_in_strip(const deform::BlockRows& rows, Index skipped, Ind
   const Index row = rows.row + skipped;
   const Strips::Strip& strip = level.strips.strip_of(row);
   const double* from = rows.value + skipped;
-  for (int c = 0; c < 3; ++c)
-    for (Index k = 0; k < size; ++k) diagonal_(row + k, c) = from[4 * c * rows.lanes + k];
+  for (Index q = 0; q < 6; ++q)
+    for (Index k = 0; k < size; ++k) diagonal_(row + k, q) = from[kOfSix[q] * rows.lanes + k];
   const std::span<const std::int32_t> columns = pattern_.columns(row);
   put_blocks({from, rows.lanes, size, columns.data(), static_cast<Index>(columns.size()),
               static_cast<std::int32_t>(row)},
@@ -63,17 +66,22 @@ void BlockSystem::put_in_strip(const deform::BlockRows& rows, Index skipped, Ind
              level.value.data() + 9 * strip.begin + row - strip.row);
 }
 
-void BlockSystem::factor(const deform::NodeValues& d, bool renew) {
+void BlockSystem::factor(const deform::NodeValues& d, const deform::NodeBlocks& blocks,
+                         bool renew) {
   Level<Block>& level = cycle_->finest();
   deform::parallel_blocks(
       static_cast<Index>(level.strips.chunks().size()), 1, [&](Index i, Index /*one*/) {
         const Strips::Chunk& chunk = level.strips.chunks()[static_cast<std::size_t>(i)];
         for (std::size_t s = chunk.strip; s < chunk.strip_end; ++s) {
           const Strips::Strip& strip = level.strips.strips()[s];
-          for (Index c = 0; c < 3; ++c) {
-            float* const to = level.value.data() + 9 * strip.begin + 4 * c * strip.lanes;
-            for (Index k = 0; k < strip.size; ++k)
-              to[k] = static_cast<float>(diagonal_(strip.row + k, c) + d[strip.row + k]);
+          for (Index q = 0; q < 9; ++q) {
+            const Index six = kOfNine[q];
+            const bool is_diagonal = q % 4 == 0;
+            float* const to = level.value.data() + 9 * strip.begin + q * strip.lanes;
+            for (Index k = 0, a = strip.row; k < strip.size; ++k, ++a) {
+              const double more = blocks.rows() > 0 ? blocks(a, six) : 0;
+              to[k] = static_cast<float>(diagonal_(a, six) + more + (is_diagonal ? d[a] : 0));
+            }
           }
         }
       });
@@ -86,7 +94,10 @@ void BlockSystem::factor(const deform::NodeValues& d, bool renew) {
 /// Mean over nodes of the part that d has in the matrix's diagonal.
 void BlockSystem::measure_inertia(const deform::NodeValues& d) {
   double sum = 0;
-  for (Index a = 0; a < d.size(); ++a) sum += 3 * d[a] / (diagonal_.row(a).sum() + 3 * d[a]);
+  for (Index a = 0; a < d.size(); ++a) {
+    const double trace = diagonal_(a, 0) + diagonal_(a, 3) + diagonal_(a, 5);
+    sum += 3 * d[a] / (trace + 3 * d[a]);
+  }
   inertia_ = d.size() > 0 ? sum / static_cast<double>(d.size()) : 0;
 }
 

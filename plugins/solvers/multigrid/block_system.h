@@ -25,7 +25,7 @@ class BlockSystem {
               const std::vector<deform::Prolongation>& coarsening, Limits limits);
 
   void put(const deform::BlockRows& rows);
-  void factor(const deform::NodeValues& d, bool renew);
+  void factor(const deform::NodeValues& d, const deform::NodeBlocks& blocks, bool renew);
   [[nodiscard]] deform::Outcome solve(const deform::NodeVectors& b, double tolerance,
                                       deform::NodeVectors& x);
   [[nodiscard]] int iterations() const { return iterations_; }
@@ -39,7 +39,7 @@ class BlockSystem {
 
   Limits limits_;
   Pattern pattern_;
-  deform::NodeVectors diagonal_;  // what `factor` adds d to
+  deform::NodeBlocks diagonal_;  // what `factor` adds to
   std::optional<Cycle<Block>> cycle_;
   ConjugateGradients gradients_;
   Field<float> b_, x_;

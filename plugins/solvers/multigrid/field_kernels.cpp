@@ -7,39 +7,37 @@
 namespace multigrid {
 namespace {
 
-[[gnu::always_inline]] inline double sum_of(const EightDoubles& low, const EightDoubles& high) {
-  const EightDoubles s = low + high;
-  return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
+template <int bytes>
+[[gnu::always_inline]] inline Vector<double, bytes> doubles(const double* from) {
+  return load<Vector<double, bytes>>(from);
 }
-[[gnu::always_inline]] inline EightDoubles doubles(const double* from) {
-  return load<EightDoubles>(from);
-}
-[[gnu::always_inline]] inline EightDoubles doubles(const float* from) {
-  return __builtin_convertvector(load<EightFloats>(from), EightDoubles);
+template <int bytes>
+[[gnu::always_inline]] inline Vector<double, bytes> doubles(const float* from) {
+  return __builtin_convertvector((load<Vector<float, bytes / 2>>(from)), Vector<double, bytes>);
 }
 
-/// Two chains of sums of products, so that one does not wait for the other.
-template <class Number>
-[[gnu::always_inline]] inline double sum_products(Index size, const Number* a, const Number* b) {
-  EightDoubles low{}, high{};
+/// Sixteen sums of every sixteenth product, so that one does not wait for the other; added up in
+/// the same order by vectors of any width.
+template <int bytes, class Number>
+[[gnu::always_inline]] inline double dot_by(Index size, const Number* a, const Number* b) {
+  constexpr Index kSums = 16, lanes = kSize<Vector<double, bytes>>, vectors = kSums / lanes;
+  Vector<double, bytes> sums[vectors]{};
   Index i = 0;
-  for (; i + 16 <= size; i += 16) {
-    low += doubles(a + i) * doubles(b + i);
-    high += doubles(a + i + 8) * doubles(b + i + 8);
-  }
-  double sum = sum_of(low, high);
+  for (; i + kSums <= size; i += kSums)
+    for (Index v = 0; v < vectors; ++v)
+      sums[v] += doubles<bytes>(a + i + v * lanes) * doubles<bytes>(b + i + v * lanes);
+  double s[kSums];
+  for (Index v = 0; v < vectors; ++v) store(sums[v], s + v * lanes);
+  for (Index k = 0; k < kSums / 2; ++k) s[k] += s[k + kSums / 2];
+  double sum = ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7]));
   for (; i < size; ++i) sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
   return sum;
 }
 
 }  // namespace
 
-DEFORM_KERNEL double dot(Index size, const float* a, const float* b) {
-  return sum_products(size, a, b);
-}
-DEFORM_KERNEL double dot(Index size, const double* a, const double* b) {
-  return sum_products(size, a, b);
-}
+DEFORM_VECTOR_KERNEL(double, dot, (Index size, const float* a, const float* b), (size, a, b))
+DEFORM_VECTOR_KERNEL(double, dot, (Index size, const double* a, const double* b), (size, a, b))
 
 DEFORM_KERNEL void add(Index size, float factor, const float* from, float* to) {
 #pragma GCC ivdep

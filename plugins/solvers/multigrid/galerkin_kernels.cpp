@@ -9,60 +9,89 @@
 namespace multigrid {
 namespace {
 
-/// Numbers of sixteen rows, `step` apart.
-template <Index step>
-[[gnu::always_inline]] inline SixteenFloats rows_from(const float* from) {
+/// Numbers of as many rows as a vector has, `step` apart.
+template <class V, Index step>
+[[gnu::always_inline]] inline V rows_from(const float* from) {
   if constexpr (step == 1) {
-    return load<SixteenFloats>(from);
+    return load<V>(from);
   } else {
-    return __builtin_shufflevector(load<SixteenFloats>(from), load<SixteenFloats>(from + 16), 0, 2,
-                                   4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
+    const V low = load<V>(from), high = load<V>(from + kSize<V>);
+    if constexpr (kSize<V> == 16)
+      return __builtin_shufflevector(low, high, 0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26,
+                                     28, 30);
+    else if constexpr (kSize<V> == 8)
+      return __builtin_shufflevector(low, high, 0, 2, 4, 6, 8, 10, 12, 14);
+    else
+      return __builtin_shufflevector(low, high, 0, 2, 4, 6);
   }
 }
 
-template <Index numbers, Index step>
-[[gnu::always_inline]] inline void combine(const CoarseRows& of, const float* fine, float* coarse) {
+/// Entry number k of rows from `lane` on, as many as a vector has.
+template <class V, Index numbers, Index step>
+[[gnu::always_inline]] inline void combine_entry(const CoarseRows& rows, Index k, Index lane,
+                                                 const Term* next, const float* fine,
+                                                 float* coarse) {
   static constexpr Index kMirrored[9] = {0, 3, 6, 1, 4, 7, 2, 5, 8};
-  const CoarseRows rows = of;
-  const Term* next = rows.term;
-  for (Index k = 0; k < rows.entries; ++k) {
-    SixteenFloats sum[numbers]{};
-    for (const Term* end = rows.term + rows.end[2 * k]; next != end; ++next) {
-      const Place at = rows.source[next->source];
-      for (Index q = 0; q < numbers; ++q)
-        sum[q] += next->weight * rows_from<step>(fine + at.first + q * at.stride);
-    }
-    for (const Term* end = rows.term + rows.end[2 * k + 1]; next != end; ++next) {
-      const Place at = rows.source[next->source];
-      for (Index q = 0; q < numbers; ++q)
-        sum[q] += next->weight * rows_from<step>(fine + at.first + kMirrored[q] * at.stride);
-    }
-    float* to = coarse + rows.to[k].first;
-    for (Index q = 0; q < numbers; ++q, to += rows.to[k].stride) {
-      if (rows.size == kCoarseRows)
-        store(sum[q], to);
-      else
-        std::memcpy(to, &sum[q], static_cast<std::size_t>(rows.size) * sizeof(float));
-    }
+  fine += step * lane;
+  V sum[numbers]{};
+  for (const Term* end = rows.term + rows.end[2 * k]; next != end; ++next) {
+    const Place at = rows.source[next->source];
+    for (Index q = 0; q < numbers; ++q)
+      sum[q] += next->weight * rows_from<V, step>(fine + at.first + q * at.stride);
+  }
+  for (const Term* end = rows.term + rows.end[2 * k + 1]; next != end; ++next) {
+    const Place at = rows.source[next->source];
+    for (Index q = 0; q < numbers; ++q)
+      sum[q] += next->weight * rows_from<V, step>(fine + at.first + kMirrored[q] * at.stride);
+  }
+  float* to = coarse + rows.to[k].first + lane;
+  const Index left = rows.size - lane;
+  for (Index q = 0; q < numbers; ++q, to += rows.to[k].stride) {
+    if (left >= kSize<V>)
+      store(sum[q], to);
+    else
+      std::memcpy(to, &sum[q], static_cast<std::size_t>(left) * sizeof(float));
   }
 }
 
-template <Index numbers>
+template <int bytes, Index numbers, Index step>
+[[gnu::always_inline]] inline void combine(const CoarseRows& of, const float* fine, float* coarse) {
+  using Rows = Vector<float, bytes>;
+  const CoarseRows rows = of;
+  const Term* first = rows.term;
+  for (Index k = 0; k < rows.entries; ++k) {
+    for (Index lane = 0; lane < rows.size; lane += kSize<Rows>)
+      combine_entry<Rows, numbers, step>(rows, k, lane, first, fine, coarse);
+    first = rows.term + rows.end[2 * k + 1];
+  }
+}
+
+template <int bytes, Index numbers>
 [[gnu::always_inline]] inline void combine(const CoarseRows& rows, const float* fine,
                                            float* coarse) {
   if (rows.step == 2)
-    combine<numbers, 2>(rows, fine, coarse);
+    combine<bytes, numbers, 2>(rows, fine, coarse);
   else
-    combine<numbers, 1>(rows, fine, coarse);
+    combine<bytes, numbers, 1>(rows, fine, coarse);
+}
+template <int bytes>
+[[gnu::always_inline]] inline void combine_blocks_by(const CoarseRows& rows, const float* fine,
+                                                     float* coarse) {
+  combine<bytes, 9>(rows, fine, coarse);
+}
+template <int bytes>
+[[gnu::always_inline]] inline void combine_scalars_by(const CoarseRows& rows, const float* fine,
+                                                      float* coarse) {
+  combine<bytes, 1>(rows, fine, coarse);
 }
 
 }  // namespace
 
-DEFORM_KERNEL void combine_blocks(const CoarseRows& rows, const float* fine, float* coarse) {
-  combine<9>(rows, fine, coarse);
-}
-DEFORM_KERNEL void combine_scalars(const CoarseRows& rows, const float* fine, float* coarse) {
-  combine<1>(rows, fine, coarse);
-}
+DEFORM_VECTOR_KERNEL(void, combine_blocks,
+                     (const CoarseRows& rows, const float* fine, float* coarse),
+                     (rows, fine, coarse))
+DEFORM_VECTOR_KERNEL(void, combine_scalars,
+                     (const CoarseRows& rows, const float* fine, float* coarse),
+                     (rows, fine, coarse))
 
 }  // namespace multigrid

@@ -79,7 +79,9 @@ class Multigrid final : public LinearSolver, public BlockSolver {
                    multigrid::BlockSystem::Limits{.iterations = most()});
   }
   void put(const BlockRows& rows) override { block_->put(rows); }
-  void factor(const NodeValues& d, bool renew) override { block_->factor(d, renew); }
+  void factor(const NodeValues& d, const NodeBlocks& blocks, bool renew) override {
+    block_->factor(d, blocks, renew);
+  }
   [[nodiscard]] Outcome solve(const NodeVectors& b, double tolerance, NodeVectors& x) override {
     return block_->solve(b, tolerance, x);
   }

@@ -12,86 +12,65 @@
 namespace multigrid {
 namespace {
 
-/// Rows at once, in single and in double precision.
-template <class Number>
-struct Rows;
-template <>
-struct Rows<float> {
-  using Many = SixteenFloats;
-  using Few = FourFloats;
-};
-template <>
-struct Rows<double> {
-  using Many = EightDoubles;
-  using Few = FourDoubles;
-};
-template <class Vector>
-inline constexpr Index kSize = sizeof(Vector) / sizeof(Vector{}[0]);
-
-/// What converts to a vector.
-template <class Vector>
-struct Narrow;
-template <>
-struct Narrow<EightDoubles> {
-  using Type = EightFloats;
-};
-template <>
-struct Narrow<FourDoubles> {
-  using Type = FourFloats;
+/// Rows at once: vectors of so many bytes, and of four numbers.
+template <class Number, int bytes>
+struct Rows {
+  using Many = Vector<Number, bytes>;
+  using Few = Vector<Number, 4 * sizeof(Number)>;
 };
 
 /// As many rows as a vector has, of what has the same precision or half of it.
-template <class Vector>
-[[gnu::always_inline]] inline Vector rows(const float* from) {
-  if constexpr (sizeof(Vector{}[0]) == sizeof(float)) {
-    return load<Vector>(from);
+template <class V>
+[[gnu::always_inline]] inline V rows(const float* from) {
+  if constexpr (sizeof(V{}[0]) == sizeof(float)) {
+    return load<V>(from);
   } else {
-    return __builtin_convertvector(load<typename Narrow<Vector>::Type>(from), Vector);
+    return __builtin_convertvector((load<Vector<float, sizeof(V) / 2>>(from)), V);
   }
 }
-template <class Vector>
-[[gnu::always_inline]] inline Vector rows(const double* from) {
-  return load<Vector>(from);
+template <class V>
+[[gnu::always_inline]] inline V rows(const double* from) {
+  return load<V>(from);
 }
 
 /// Entries of some rows, in turn: vectors of many rows, then of few.
-template <class Number, class Body>
+template <class Number, int bytes, class Body>
 [[gnu::always_inline]] inline void each_rows(Index lanes, const Body& body) {
-  using Many = typename Rows<Number>::Many;
-  using Few = typename Rows<Number>::Few;
+  using Many = typename Rows<Number, bytes>::Many;
+  using Few = typename Rows<Number, bytes>::Few;
   Index row = 0;
   for (; row + kSize<Many> <= lanes; row += kSize<Many>) body(row, std::type_identity<Many>{});
   for (; row < lanes; row += kSize<Few>) body(row, std::type_identity<Few>{});
 }
 
 /// A += v, at `to`.
-template <class Vector, class Number>
-[[gnu::always_inline]] inline void add_to(const Vector& v, Number* to) {
-  store(load<Vector>(to) + v, to);
+template <class V, class Number>
+[[gnu::always_inline]] inline void add_to(const V& v, Number* to) {
+  store(load<V>(to) + v, to);
 }
 
 /// One number an entry: a row's sums stay in registers over its entries.
-template <class Value, class X, class Sum>
-[[gnu::always_inline]] inline void multiply(const StripValues<Value>& of,
-                                            const Components<const X>& field,
-                                            const Components<Sum>& to_upper,
-                                            const Components<Sum>& to_lower) {
+template <int bytes, class Value, class X, class Sum>
+[[gnu::always_inline]] inline void multiply_scalars_by(const StripValues<Value>& of,
+                                                       const Components<const X>& field,
+                                                       const Components<Sum>& to_upper,
+                                                       const Components<Sum>& to_lower) {
   const StripValues<Value> a = of;
   const Components<const X> x = field;
   const Components<Sum> upper = to_upper, lower = to_lower;
-  each_rows<Sum>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
-    using Vector = typename decltype(kind)::type;
-    Vector of_row[3], sum[3];
-    const auto diagonal = rows<Vector>(a.value + row);
+  each_rows<Sum, bytes>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
+    using V = typename decltype(kind)::type;
+    V of_row[3], sum[3];
+    const auto diagonal = rows<V>(a.value + row);
     for (Index c = 0; c < 3; ++c) {
-      of_row[c] = rows<Vector>(x.data + c * x.stride + row);
+      of_row[c] = rows<V>(x.data + c * x.stride + row);
       sum[c] = diagonal * of_row[c];
     }
     for (Index e = 1; e < a.entries; ++e) {
-      const auto v = rows<Vector>(a.value + e * a.lanes + row);
+      const auto v = rows<V>(a.value + e * a.lanes + row);
       const Index column = row + a.distance[e];
       for (Index c = 0; c < 3; ++c) {
-        sum[c] += v * rows<Vector>(x.data + c * x.stride + column);
+        sum[c] += v * rows<V>(x.data + c * x.stride + column);
         add_to(v * of_row[c], lower.data + c * lower.stride + column);
       }
     }
@@ -99,31 +78,30 @@ template <class Value, class X, class Sum>
   });
 }
 
-}  // namespace
-
 /// Entry by entry, so that the matrix is read in the order in which it lies.
-DEFORM_KERNEL void multiply_blocks(const StripValues<float>& of,
-                                   const Components<const float>& field,
-                                   const Components<float>& to_upper,
-                                   const Components<float>& to_lower) {
+template <int bytes>
+[[gnu::always_inline]] inline void multiply_blocks_by(const StripValues<float>& of,
+                                                      const Components<const float>& field,
+                                                      const Components<float>& to_upper,
+                                                      const Components<float>& to_lower) {
   const StripValues<float> a = of;
   const Components<const float> x = field;
   const Components<float> upper = to_upper, lower = to_lower;
   for (Index e = 0; e < a.entries; ++e) {
     const float* const value = a.value + 9 * e * a.lanes;
     const Index distance = a.distance[e];
-    each_rows<float>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
-      using Vector = typename decltype(kind)::type;
-      Vector of_row[3], of_column[3];
+    each_rows<float, bytes>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
+      using V = typename decltype(kind)::type;
+      V of_row[3], of_column[3];
       for (Index c = 0; c < 3; ++c) {
-        of_row[c] = load<Vector>(x.data + c * x.stride + row);
-        of_column[c] = load<Vector>(x.data + c * x.stride + row + distance);
+        of_row[c] = load<V>(x.data + c * x.stride + row);
+        of_column[c] = load<V>(x.data + c * x.stride + row + distance);
       }
-      Vector along[3]{};  // what the column gets
+      V along[3]{};  // what the column gets
       for (Index i = 0; i < 3; ++i) {
-        Vector sum{};
+        V sum{};
         for (Index j = 0; j < 3; ++j) {
-          const auto v = load<Vector>(value + (3 * i + j) * a.lanes + row);
+          const auto v = load<V>(value + (3 * i + j) * a.lanes + row);
           sum += v * of_column[j];
           along[j] += v * of_row[i];
         }
@@ -136,36 +114,43 @@ DEFORM_KERNEL void multiply_blocks(const StripValues<float>& of,
   }
 }
 
-DEFORM_KERNEL void multiply_scalars(const StripValues<float>& a, const Components<const float>& x,
-                                    const Components<float>& upper,
-                                    const Components<float>& lower) {
-  multiply(a, x, upper, lower);
-}
-DEFORM_KERNEL void multiply_scalars(const StripValues<double>& a, const Components<const float>& x,
-                                    const Components<double>& upper,
-                                    const Components<double>& lower) {
-  multiply(a, x, upper, lower);
-}
-DEFORM_KERNEL void multiply_scalars(const StripValues<double>& a, const Components<const double>& x,
-                                    const Components<double>& upper,
-                                    const Components<double>& lower) {
-  multiply(a, x, upper, lower);
-}
-
-DEFORM_KERNEL void add_magnitudes(const StripValues<float>& of, float* upper, float* lower) {
+template <int bytes>
+[[gnu::always_inline]] inline void add_magnitudes_by(const StripValues<float>& of, float* upper,
+                                                     float* lower) {
   const StripValues<float> a = of;
   for (Index e = 0; e < a.entries; ++e) {
     const float* const value = a.value + e * a.lanes;
     float* const column = lower + a.distance[e];
-    each_rows<float>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
-      using Vector = typename decltype(kind)::type;
-      const auto v = load<Vector>(value + row);
-      const Vector magnitude = v < 0 ? -v : v;
+    each_rows<float, bytes>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
+      using V = typename decltype(kind)::type;
+      const auto v = load<V>(value + row);
+      const V magnitude = v < 0 ? -v : v;
       add_to(magnitude, upper + row);
       if (e > 0) add_to(magnitude, column + row);
     });
   }
 }
+
+}  // namespace
+
+DEFORM_VECTOR_KERNEL(void, multiply_blocks,
+                     (const StripValues<float>& a, const Components<const float>& x,
+                      const Components<float>& upper, const Components<float>& lower),
+                     (a, x, upper, lower))
+DEFORM_VECTOR_KERNEL(void, multiply_scalars,
+                     (const StripValues<float>& a, const Components<const float>& x,
+                      const Components<float>& upper, const Components<float>& lower),
+                     (a, x, upper, lower))
+DEFORM_VECTOR_KERNEL(void, multiply_scalars,
+                     (const StripValues<double>& a, const Components<const float>& x,
+                      const Components<double>& upper, const Components<double>& lower),
+                     (a, x, upper, lower))
+DEFORM_VECTOR_KERNEL(void, multiply_scalars,
+                     (const StripValues<double>& a, const Components<const double>& x,
+                      const Components<double>& upper, const Components<double>& lower),
+                     (a, x, upper, lower))
+DEFORM_VECTOR_KERNEL(void, add_magnitudes,
+                     (const StripValues<float>& of, float* upper, float* lower), (of, upper, lower))
 
 namespace {
 

@@ -4,24 +4,31 @@
 
 #include <cstring>
 
+#include "field.h"
+
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace multigrid {
 
-using FourFloats [[gnu::vector_size(16)]] = float;
-using EightFloats [[gnu::vector_size(32)]] = float;
-using SixteenFloats [[gnu::vector_size(64)]] = float;
-using FourDoubles [[gnu::vector_size(32)]] = double;
-using EightDoubles [[gnu::vector_size(64)]] = double;
+/// A vector of so many bytes.
+template <class Number, int bytes>
+struct VectorOf {
+  using Type [[gnu::vector_size(bytes)]] = Number;
+};
+template <class Number, int bytes>
+using Vector = typename VectorOf<Number, bytes>::Type;
 
-template <class Vector, class Number>
-[[gnu::always_inline]] inline Vector load(const Number* from) {
-  Vector v;
+template <class V>
+inline constexpr Index kSize = sizeof(V) / sizeof(V{}[0]);
+
+template <class V, class Number>
+[[gnu::always_inline]] inline V load(const Number* from) {
+  V v;
   std::memcpy(&v, from, sizeof v);
   return v;
 }
-template <class Vector, class Number>
-[[gnu::always_inline]] inline void store(const Vector& v, Number* to) {
+template <class V, class Number>
+[[gnu::always_inline]] inline void store(const V& v, Number* to) {
   std::memcpy(to, &v, sizeof v);
 }
 

@@ -20,6 +20,9 @@ struct BlockRows {
   Index lanes = 1;
 };
 
+/// A symmetric 3 × 3 block a node (N × 6): xx, xy, xz, yy, yz, zz. None: (0 × 6).
+using NodeBlocks = Eigen::Matrix<double, Eigen::Dynamic, 6>;
+
 /// Symmetric (3N × 3N), upper half: the columns of row a are ≥ a, ascending, its diagonal block
 /// first; 9 numbers a block, row-major.
 struct DEFORM_API BlockMatrix {

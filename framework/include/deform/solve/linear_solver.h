@@ -72,8 +72,8 @@ class DEFORM_API LinearSolver : public Plugin {
 /// blocks, as Newton's method makes them, some components of nodes being held.
 ///
 /// Contract: `analyse` once a pattern; then, any number of times, `put` for all rows of A, `factor`
-/// with one d or several in turn, `solve`. What a solution is depends on nothing before the last
-/// `factor` that was told to renew but the rows.
+/// with one d and blocks or several in turn, `solve`. What a solution is depends on nothing before
+/// the last `factor` that was told to renew but the rows.
 class DEFORM_API BlockSolver {
  public:
   virtual ~BlockSolver();
@@ -84,11 +84,12 @@ class DEFORM_API BlockSolver {
   virtual void analyse(const BlockMatrix& pattern, const std::vector<std::uint8_t>& held) = 0;
   /// Takes the values of some rows of A. Thread-safe for different rows.
   virtual void put(const BlockRows& rows) = 0;
-  /// Prepares to solve with A + diag(d), d (N) for x, y and z alike; unless `renew`, what was
-  /// prepared from earlier values to solve faster (a preconditioner) may be kept.
-  virtual void factor(const NodeValues& d, bool renew) = 0;
-  /// (A + diag(d)) x = b on what is not held, x (N × 3) with b's error in a norm of the solver's
-  /// choice reduced to `tolerance`; x is of no use unless that is what came of it.
+  /// Prepares to solve with A + diag(d) + blocks, d (N) for x, y and z alike, blocks on the
+  /// diagonal (contact's; often none); unless `renew`, what was prepared from earlier values to
+  /// solve faster (a preconditioner) may be kept.
+  virtual void factor(const NodeValues& d, const NodeBlocks& blocks, bool renew) = 0;
+  /// (A + diag(d) + blocks) x = b on what is not held, x (N × 3) with b's error in a norm of the
+  /// solver's choice reduced to `tolerance`; x is of no use unless that is what came of it.
   [[nodiscard]] virtual Outcome solve(const NodeVectors& b, double tolerance, NodeVectors& x) = 0;
   /// That the last `solve` took.
   [[nodiscard]] virtual long iterations() const = 0;

@@ -12,10 +12,15 @@
 namespace deform {
 namespace {
 
-/// Numbers of eight rows. A vector by name: compilers would keep the sums below as single numbers.
-using Numbers [[gnu::vector_size(64)]] = double;
+/// Numbers of several rows. Vectors by name: compilers would keep the sums below as single numbers.
+template <int bytes>
+struct NumbersOf {
+  using Type [[gnu::vector_size(bytes)]] = double;
+};
+/// Rows that are made at once, at most.
+constexpr std::size_t kMostLanes = 8;
 
-/// What is done for numbers of a row: those of eight rows side by side, or of a row alone, are a
+/// What is done for numbers of a row: those of several rows side by side, or of a row alone, are a
 /// vector. At h, numbers lie kSampleLanes apart.
 template <class Number>
 [[gnu::always_inline]] inline Number load(const double* from) {
@@ -148,8 +153,12 @@ template <class Number>
 }
 
 /// What lanes beyond `size` have is nobody's.
-DEFORM_KERNEL bool make_rows_side_by_side(const TangentPlan& plan, const SampleNumbers& of,
-                                          bool adds, Index size, double* room, double* rows) {
+template <int bytes>
+[[gnu::always_inline]] inline bool make_rows_side_by_side_by(const TangentPlan& plan,
+                                                             const SampleNumbers& of, bool adds,
+                                                             Index size, double* room,
+                                                             double* rows) {
+  using Numbers = typename NumbersOf<bytes>::Type;
   double zero = 0;
   for (Index lane = 0; lane < size; lane += kLanes<Numbers>) {
     const auto zeros = make<Numbers>(plan, of, adds, lane, room, rows, kRowLanes);
@@ -157,6 +166,15 @@ DEFORM_KERNEL bool make_rows_side_by_side(const TangentPlan& plan, const SampleN
   }
   return zero == 0;
 }
+
+}  // namespace
+
+DEFORM_VECTOR_KERNEL(static bool, make_rows_side_by_side,
+                     (const TangentPlan& plan, const SampleNumbers& of, bool adds, Index size,
+                      double* room, double* rows),
+                     (plan, of, adds, size, room, rows))
+
+namespace {
 
 /// Numbers of four rows, or four numbers of a row.
 using Four [[gnu::vector_size(32)]] = double;
@@ -218,7 +236,7 @@ DEFORM_KERNEL bool move_row(const double* __restrict row, Index numbers, double*
 std::size_t room_for(const TangentPlan& plan) {
   const std::size_t of_blocks = 9 * plan.parts.size(),
                     of_normals = plan.parts.size() + 6 * plan.samples;
-  return std::max(of_blocks, of_normals) * static_cast<std::size_t>(kLanes<Numbers>);
+  return std::max(of_blocks, of_normals) * kMostLanes;
 }
 bool make_rows(const TangentPlan& plan, const SampleNumbers& of, bool adds, Index size,
                double* room, double* rows) {

@@ -39,6 +39,7 @@ struct NewtonMatrix::Impl {
   [[nodiscard]] bool make_rows(const StateGeometry& now, const TangentBuilder::TakeRows& take);
   [[nodiscard]] bool give_to_solver(const StateGeometry& now);
   [[nodiscard]] bool make_whole(const StateGeometry& now);
+  [[nodiscard]] bool add_beside_rows(std::span<const BlockEntry> entries);
   void add_other_parts(const State& state, const StateGeometry& now);
   const BlockMatrix& whole();
   TangentSolver& made_solver();
@@ -55,6 +56,7 @@ struct NewtonMatrix::Impl {
   NodeValues stiffness, damping;  // of force fields, (N) [N/m], [N·s/m]
   NodeValues diagonal;            // both together; no part of the rows that a solver is given
   NodeValues beside_rows;         // that, and what a solution adds
+  NodeBlocks blocks;              // that were added to the rows of a solver; (0 × 6): none
   std::vector<Freedom> held;
   std::optional<TangentSolver> solver;
   long step = -1;  // in which an iterative solver was last prepared: it takes nothing from earlier
@@ -105,7 +107,28 @@ bool NewtonMatrix::Impl::make_whole(const StateGeometry& now) {
   k.value.resize(9 * k.column.size());
   const bool is_finite = make_rows(now, [&](const BlockRows& rows) { return pattern.store(rows); });
   for (Index a = 0; a < k.nodes; ++a) k.block(a, a).diagonal().array() += diagonal[a];
+  for (Index a = 0; a < blocks.rows(); ++a) {
+    const auto b = blocks.row(a);
+    k.block(a, a) +=
+        (Eigen::Matrix3d() << b[0], b[1], b[2], b[1], b[3], b[4], b[2], b[4], b[5]).finished();
+  }
+  blocks.resize(0, 6);
   return is_finite;
+}
+
+/// Adds to what a solver got as rows; false where that takes the whole matrix.
+bool NewtonMatrix::Impl::add_beside_rows(std::span<const BlockEntry> entries) {
+  const bool are_diagonal =
+      std::ranges::all_of(entries, [](const BlockEntry& e) { return e.a == e.b; });
+  if (!solver_has_rows || is_whole || !are_diagonal) return false;
+  if (blocks.rows() == 0) blocks.setZero(k.nodes, 6);
+  for (const BlockEntry& e : entries) {
+    const Eigen::Matrix3d& m = e.block;
+    blocks.row(e.a) +=
+        (Eigen::Matrix<double, 1, 6>() << m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2))
+            .finished();
+  }
+  return true;
 }
 
 const BlockMatrix& NewtonMatrix::Impl::whole() {
@@ -139,6 +162,7 @@ void NewtonMatrix::evaluate(const State& state, const TangentRequest& request) {
     i.before.resize(0, 3);
   i.at = state;
   i.is_evaluated = true;
+  i.blocks.resize(0, 6);
   i.stiffness.setZero(terms.rows());
   i.damping.setZero(terms.rows());
   terms.external().add_tangent(state, now->normals, i.stiffness, i.damping, nullptr, true);
@@ -161,6 +185,7 @@ void NewtonMatrix::evaluate(const State& state, const TangentRequest& request) {
 void NewtonMatrix::add(std::span<const BlockEntry> entries) {
   if (entries.empty()) return;
   Impl& i = *impl_;
+  if (i.add_beside_rows(entries)) return;
   (void)i.whole();
   i.solver_has_rows = false;
   if (i.pattern.grow(entries)) i.solver.reset();
@@ -210,7 +235,7 @@ std::string NewtonMatrix::solve_to(double tolerance, const NodeValues& d, const 
       i.beside_rows += i.diagonal;
     else if (solver.takes_rows() && !std::exchange(i.solver_has_rows, true))
       solver.put(i.k);
-    reason = solver.factor_to_tolerance(d, i.beside_rows, renews);
+    reason = solver.factor_to_tolerance(d, i.beside_rows, i.blocks, renews);
     i.report_choice();
   }
   return reason.empty() ? solve_again(tolerance, b, x) : reason;

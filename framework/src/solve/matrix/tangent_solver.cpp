@@ -107,11 +107,11 @@ void TangentSolver::put(const BlockMatrix& k) {
 }
 
 std::string TangentSolver::factor_to_tolerance(const NodeValues& d, const NodeValues& beside_rows,
-                                               bool renew) {
+                                               const NodeBlocks& blocks, bool renew) {
   if (!takes_rows()) return factor(d);
   d_ = d;
   guarded(iterative_.origin, "preparing to solve",
-          [&] { iterative_.object->blocks()->factor(beside_rows, renew); });
+          [&] { iterative_.object->blocks()->factor(beside_rows, blocks, renew); });
   return "";
 }
 

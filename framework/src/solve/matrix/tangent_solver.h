@@ -40,11 +40,12 @@ class TangentSolver {
   /// All rows.
   void put(const BlockMatrix& k);
   /// The same as `factor` and `solve` for solutions whose error is reduced to a tolerance.
-  /// `beside_rows`: d and what the rows that were put lack of K's diagonal (N). `renew`: nothing
+  /// `beside_rows`: d and what the rows that were put lack of K's diagonal (N); `blocks`: what they
+  /// lack of its diagonal blocks beside. `renew`: nothing
   /// that was prepared for earlier matrices may be used. Both return "" or why the matrix is not
   /// positive definite, which an iterative solver may find only in the end.
   [[nodiscard]] std::string factor_to_tolerance(const NodeValues& d, const NodeValues& beside_rows,
-                                                bool renew);
+                                                const NodeBlocks& blocks, bool renew);
   /// `must_be_definite`: that it is, is known; a solver that finds it is not hands on to a
   /// factorisation.
   [[nodiscard]] std::string solve_to_tolerance(double tolerance, bool must_be_definite,

@@ -21,6 +21,9 @@ namespace {
 constexpr double kRegular = 1e-9, kRegularInSinglePrecision = 2e-6;
 /// A fit whose residual is this part of what it is made of has nothing to correct but rounding.
 constexpr double kNegligible = 1e-12;
+/// Nodes up to which the matrix, which never changes, is factorised: two triangular solutions are
+/// then cheaper than conjugate gradients.
+constexpr Index kMostFactorised = 20000;
 /// Part of the fit's error that an iterative solver may leave: what it corrects is of second order.
 constexpr double kTolerance = 1e-2;
 
@@ -93,19 +96,14 @@ RotationStrainStep::RotationStrainStep(const Surface& surface, const NodeVectors
       laplacian_(pattern_of(links_, map.reduction().nodes())),
       solver_(map, laplacian_, held, solvers,
               [this]() -> const BlockMatrix& { return laplacian_; }) {
-  double sum = 0;
   for (const auto& [a, b, weight] : links_) {
     const Eigen::Matrix3d block = weight * Eigen::Matrix3d::Identity();
     laplacian_.block(a, a) += block;
     laplacian_.block(b, b) += block;
     laplacian_.block(a, b) -= block;
-    sum += 2 * weight;
+    mean_ += 2 * weight / static_cast<double>(surface.nodes());
   }
   if (solver_.takes_rows()) find_floating(rest);
-  const bool is_singular = !floating_.empty();
-  const double mean = sum / static_cast<double>(surface.nodes());
-  regular_ = NodeValues::Constant(laplacian_.nodes,
-                                  (is_singular ? kRegularInSinglePrecision : kRegular) * mean);
 }
 
 void RotationStrainStep::find_floating(const NodeVectors& rest) {
@@ -143,9 +141,26 @@ double RotationStrainStep::begin(const NodeVectors& r, const NodeVectors& d) {
   return largest;
 }
 
+bool RotationStrainStep::factorise() {
+  if (laplacian_.nodes > kMostFactorised) return false;
+  try {
+    return solver_.factor(NodeValues::Constant(laplacian_.nodes, kRegular * mean_)).empty();
+  } catch (const InputError&) {  // the scene names a solver that does not factorise
+    return false;
+  }
+}
+
 bool RotationStrainStep::prepare() {
+  if (is_factorised_ = factorise(); is_factorised_) return true;
   if (solver_.takes_rows()) solver_.put(laplacian_);
-  return solver_.factor_to_tolerance(regular_, regular_, true).empty();
+  const double regular = floating_.empty() ? kRegular : kRegularInSinglePrecision;
+  const NodeValues d = NodeValues::Constant(laplacian_.nodes, regular * mean_);
+  return solver_.factor_to_tolerance(d, d, {}, true).empty();
+}
+
+std::string RotationStrainStep::solve() {
+  return is_factorised_ ? solver_.solve(pull_, correction_)
+                        : solver_.solve_to_tolerance(kTolerance, false, pull_, correction_);
 }
 
 void RotationStrainStep::take_means_away(NodeVectors& field) const {
@@ -162,8 +177,7 @@ bool RotationStrainStep::fit() {
   try {
     take_means_away(pull_);
     if (!is_prepared_) is_prepared_ = prepare();
-    if (!is_prepared_ || !solver_.solve_to_tolerance(kTolerance, false, pull_, correction_).empty())
-      return false;
+    if (!is_prepared_ || !solve().empty()) return false;
     take_means_away(correction_);
     return correction_.allFinite();
   } catch (const InputError&) {  // the scene names a solver that does not take this matrix

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,7 +36,9 @@ class RotationStrainStep {
   void at(double s, NodeVectors& r);
 
  private:
+  [[nodiscard]] bool factorise();
   [[nodiscard]] bool prepare();
+  [[nodiscard]] std::string solve();
   [[nodiscard]] bool fit();
   void find_floating(const NodeVectors& rest);
   void take_means_away(NodeVectors& field) const;
@@ -50,8 +53,8 @@ class RotationStrainStep {
   BlockMatrix laplacian_;
   TangentSolver solver_;
   std::vector<Floating> floating_;
-  NodeValues regular_;  // (N) [1/m²], added to the Laplacian
-  bool is_prepared_ = false;
+  double mean_ = 0;  // of the Laplacian's diagonal [1/m²]
+  bool is_prepared_ = false, is_factorised_ = false;
   NodeVectors from_, direction_, rotation_;  // (N × 3) [m], [m], [rad]
   // Kept for their memory.
   std::vector<Eigen::Matrix3d> normal_;  // (N) [1], normal equations of the turns

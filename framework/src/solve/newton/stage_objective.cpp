@@ -138,7 +138,7 @@ void StageObjective::evaluate_matrix(const State& state, Tangent kind, const Nod
                             .before = before,
                             .rate = 1 / stage_->tau,
                             .strains = strains_,
-                            .for_directions = !with_contacts_ || !contacts_.any()});
+                            .for_directions = true});
   contact_tangent_.clear();
 }
 
