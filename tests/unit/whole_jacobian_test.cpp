@@ -15,7 +15,7 @@ using test::simulation_from_text;
 
 Replacement integrator(const std::string& name, double step) {
   return {"/integrator",
-          fmt::format(R"({{"plugin": "{}", "step": {}, "tolerance": 1e-11}})", name, step)};
+          fmt::format(R"({{"plugin": "{}", "step": {}, "tolerance": 1e-9}})", name, step)};
 }
 
 /// Whether a Jacobian was made by differences and factorised.
@@ -29,7 +29,7 @@ double last_contraction(const StepReport& report) {
   double worst = 0;
   const std::vector<double>& r = report.residuals;
   for (std::size_t i = 1; i < r.size(); ++i)
-    if (r[i - 1] < 1e-3 && r[i - 1] > 1e-9) worst = std::max(worst, r[i] / r[i - 1]);
+    if (r[i - 1] < 1e-3 && r[i - 1] > 1e-7) worst = std::max(worst, r[i] / r[i - 1]);
   return worst;
 }
 
@@ -50,7 +50,7 @@ TEST(WholeJacobian, SolvesWithTheWindQuickly) {
       s.step();
       const StepReport& report = s.system().step_report();
       EXPECT_EQ(report.rejected, 0) << method << ' ' << s.steps();
-      EXPECT_LE(report.residual, 1e-11) << method << ' ' << s.steps();
+      EXPECT_LE(report.residual, 1e-9) << method << ' ' << s.steps();
       EXPECT_LE(last_contraction(report), 0.2) << method << ' ' << s.steps();
       with_jacobian += report.with_jacobian;
     }
@@ -83,7 +83,7 @@ TEST(WholeJacobian, SolvesWithThePapersBending) {
         residual.col(c) -= system.mass().cwiseProduct(s.state().v.col(c) - before.v.col(c)) / 0.02 +
                            system.damping().cwiseProduct(s.state().v.col(c));
       system.constraints().reduce_force(residual);
-      EXPECT_LE(residual.norm(), 1e-9 * scale) << bending;
+      EXPECT_LE(residual.norm(), 1e-8 * scale) << bending;
       EXPECT_EQ(system.step_report().rejected, 0) << bending;
       EXPECT_LE(system.step_report().iterations, 10) << bending;
     }
