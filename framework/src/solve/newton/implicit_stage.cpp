@@ -96,8 +96,8 @@ std::string ImplicitStage::solve(System& system, const Stage& stage, State& stat
   s.of = &system;
   s.measure_strains(system, stage);
   s.objective.begin(system, stage, s.strains);
-  s.objective.set_tolerance(s.settings.tolerance);
-  s.objective.set_share(s.settings.newton_share);
+  const NewtonSettings limits = s.newton_settings();
+  s.objective.set_limits(limits.tolerance, limits.error, s.settings.newton_share);
   s.contraction.begin_stage(stage.tau);
   const bool contracts = s.contract(system, state);
   const std::string reason = contracts ? "" : s.minimise(system, stage, state);

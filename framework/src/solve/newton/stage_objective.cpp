@@ -217,7 +217,7 @@ bool StageObjective::accept(State& state, Tangent& kind, double norm, Ending end
   }
   const double updated = residual(state);
   if (ending == Ending::correction && !has_new_planes &&
-      contacts_.unsettled(mass_) <= error_allowed(state))
+      contacts_.unsettled(mass_) <= std::max(error_, error_allowed(state)))
     return true;
   const double same =
       ending == Ending::residual || ending == Ending::correction ? 0 : kSameResidual * norm;

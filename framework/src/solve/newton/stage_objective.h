@@ -47,8 +47,6 @@ class StageObjective final : public Objective {
     return -residual_.cwiseProduct(direction).sum();
   }
   [[nodiscard]] double characteristic_length() const override { return size_; }
-  /// Part of the step's own error that Newton's method may leave; 0: none.
-  void set_share(double share) { share_ = share; }
   /// Φ's second derivatives are those of its inertia, M/τ², or more, where forces are stable.
   [[nodiscard]] double distance_bound(double promised) const override;
   [[nodiscard]] double error_allowed(const State& state) const override;
@@ -70,7 +68,11 @@ class StageObjective final : public Objective {
   void mark() override { marked_ = path_; }
   void return_to_mark() override { path_ = marked_; }
 
-  void set_tolerance(double tolerance) { tolerance_ = tolerance; }
+  /// What Newton's method may leave: of the residual, relative to the scale; of the solution, as
+  /// `length` has it [m], and as a part of the step's own error.
+  void set_limits(double tolerance, double error, double share) {
+    tolerance_ = tolerance, error_ = error, share_ = share;
+  }
   [[nodiscard]] ActiveContacts& contacts() { return contacts_; }
   [[nodiscard]] const ActiveContacts& contacts() const { return contacts_; }
 
@@ -109,8 +111,7 @@ class StageObjective final : public Objective {
   bool has_tangents_ = true;     // of all energies, exact or approximate
   bool by_differences_ = false;  // the last direction
   bool with_contacts_ = false, has_changed_ = false;
-  double tolerance_ = 0;  // of the residual, relative to the scale
-  double share_ = 0;
+  double tolerance_ = 0, error_ = 0, share_ = 0;  // limits
   double size_ = 0, scale_ = 0;
   long solver_iterations_ = 0, completed_directions_ = 0;
   NodeValues mass_, damping_;   // M/τ², Γ/τ [N/m]
