@@ -105,8 +105,8 @@ class DEFORM_API ImplicitStage {
   /// Contact's impulses on velocities within the stage that was solved.
   [[nodiscard]] std::vector<ContactImpulse> impulses(const System& system,
                                                      const Stage& stage) const;
-  /// From now on (StageSettings::tolerance).
-  void set_tolerance(double tolerance);
+  /// From now on (StageSettings::tolerance, newton_error).
+  void set_limits(double tolerance, double newton_error);
 
   /// Contact forces that the next solution starts from.
   void save(Memory& memory) const;

@@ -117,7 +117,10 @@ std::vector<ContactImpulse> ImplicitStage::impulses(const System& system,
   if (!impl_->objective.has_contacts()) return {};
   return impl_->objective.contacts().impulses(stage, system.mass());
 }
-void ImplicitStage::set_tolerance(double tolerance) { impl_->settings.tolerance = tolerance; }
+void ImplicitStage::set_limits(double tolerance, double newton_error) {
+  impl_->settings.tolerance = tolerance;
+  impl_->settings.newton_error = newton_error;
+}
 std::vector<ContactImpulse> ImplicitStage::settle(const System& system, const Stage& stage,
                                                   const State& before, double step,
                                                   State& end) const {

@@ -35,13 +35,20 @@ constexpr int kMostFailures = 20, kMostSteps = 2000;
 /// Part of what is unbalanced that a pseudo-step's own equation may leave.
 constexpr double kStageForcing = 0.1, kLoosest = 0.03;
 
+/// Error that a pseudo-step may leave of its solution: the next one goes on from there.
+constexpr double kStageError = 1e-3;
+/// From there on it is solved as exactly as it takes for friction to balance, too.
+constexpr double kNearlyBalanced = 1e-4;
+
 double largest(const NodeVectors& v) { return v.rows() > 0 ? v.rowwise().norm().maxCoeff() : 0; }
 
 }  // namespace
 
 struct Relaxation::Impl {
   explicit Impl(RelaxationSettings s)
-      : settings(s), newton({.tolerance = s.tolerance, .iterations = s.iterations}) {}
+      : settings(s),
+        newton(
+            {.tolerance = s.tolerance, .iterations = s.iterations, .newton_error = kStageError}) {}
 
   void begin(const System& system, const State& state, double end);
   [[nodiscard]] double first_step(const System& system, const State& state) const;
@@ -155,7 +162,8 @@ std::string Relaxation::Impl::solve_stage(System& system, double to_time, State&
   stage.by_strains = true;
   system.constraints().prescribe(to_time, to.r);
   system.constraints().follow_ties(to.r);
-  newton.set_tolerance(std::clamp(kStageForcing * unbalanced, settings.tolerance, kLoosest));
+  newton.set_limits(std::clamp(kStageForcing * unbalanced, settings.tolerance, kLoosest),
+                    unbalanced > kNearlyBalanced ? kStageError : 0);
   Memory friction;
   newton.save(friction);
   std::string reason;
