@@ -58,7 +58,8 @@ template <int bytes, class Value, class X, class Sum>
   const StripValues<Value> a = of;
   const Components<const X> x = field;
   const Components<Sum> upper = to_upper, lower = to_lower;
-  each_rows<Sum, bytes>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
+  // Which rows go together decides in which order columns are added to: the same at any width.
+  each_rows<Sum, 32>(a.lanes, [&](Index row, auto kind) DEFORM_INLINE {
     using V = typename decltype(kind)::type;
     V of_row[3], sum[3];
     const auto diagonal = rows<V>(a.value + row);

@@ -118,8 +118,8 @@ bool NewtonMatrix::Impl::make_whole(const StateGeometry& now) {
 
 /// Adds to what a solver got as rows; false where that takes the whole matrix.
 bool NewtonMatrix::Impl::add_beside_rows(std::span<const BlockEntry> entries) {
-  const bool are_diagonal =
-      std::ranges::all_of(entries, [](const BlockEntry& e) { return e.a == e.b; });
+  const bool are_diagonal = std::ranges::all_of(
+      entries, [this](const BlockEntry& e) { return e.a == e.b && e.a >= 0 && e.a < k.nodes; });
   if (!solver_has_rows || is_whole || !are_diagonal) return false;
   if (blocks.rows() == 0) blocks.setZero(k.nodes, 6);
   for (const BlockEntry& e : entries) {

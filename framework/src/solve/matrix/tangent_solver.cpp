@@ -110,6 +110,7 @@ std::string TangentSolver::factor_to_tolerance(const NodeValues& d, const NodeVa
                                                const NodeBlocks& blocks, bool renew) {
   if (!takes_rows()) return factor(d);
   d_ = d;
+  is_handed_over_ = false;
   guarded(iterative_.origin, "preparing to solve",
           [&] { iterative_.object->blocks()->factor(beside_rows, blocks, renew); });
   return "";
@@ -118,7 +119,7 @@ std::string TangentSolver::factor_to_tolerance(const NodeValues& d, const NodeVa
 std::string TangentSolver::solve_to_tolerance(double tolerance, bool must_be_definite,
                                               const NodeVectors& b, NodeVectors& x) {
   iterations_ = 0;
-  if (iterative_.object) {
+  if (iterative_.object && !is_handed_over_) {
     BlockSolver& blocks = *iterative_.object->blocks();
     const Outcome outcome =
         guarded(iterative_.origin, "solving", [&] { return blocks.solve(b, tolerance, x); });
@@ -136,6 +137,7 @@ std::string TangentSolver::solve_to_tolerance(double tolerance, bool must_be_def
       reason = iterative_.name + ": too many iterations, and the scene names no other solver";
     }
     if (!reason.empty()) return reason;
+    is_handed_over_ = true;
   }
   return solve(b, x);
 }

@@ -71,7 +71,8 @@ class TangentSolver {
   bool has_chosen_ = false;
   std::string choice_;
   Whole whole_;
-  NodeValues d_;  // that the iterative solver has, in case that it cannot
+  NodeValues d_;                 // that the iterative solver has, in case that it cannot
+  bool is_handed_over_ = false;  // the matrix that is there, to a factorisation
   long iterations_ = 0;
 };
 

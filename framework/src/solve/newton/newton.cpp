@@ -164,11 +164,13 @@ bool Newton::Impl::accepts(State& state, double norm, Objective::Ending ending) 
 
 /// Whether a correction leaves no more than the error allowed: by how corrections shrink, or, where
 /// kinks make them jump, by what it promises of the merit (Newton's decrement: Boyd &
-/// Vandenberghe, chapter 9.5).
+/// Vandenberghe, chapter 9.5). The projected tangent, stiffer than the surface, promises too little
+/// where forces are not nearly balanced.
 bool Newton::Impl::leaves_little(const State& state, const Correction& correction) const {
   const double error = std::max(settings.error, f->error_allowed(state));
-  return is_small_enough(correction, error, f->scale()) ||
-         (f->has_kinks() && f->distance_bound(-f->slope(direction)) <= error);
+  if (is_small_enough(correction, error, f->scale())) return true;
+  const bool is_calm = kind != Tangent::projected || correction.norm <= kCalm * f->scale();
+  return f->has_kinks() && is_calm && f->distance_bound(-f->slope(direction)) <= error;
 }
 
 /// Whether the state that the last correction led to is a solution.
