@@ -76,12 +76,11 @@ void BlockSystem::factor(const deform::NodeValues& d, const deform::NodeBlocks& 
           const Strips::Strip& strip = level.strips.strips()[s];
           for (Index q = 0; q < 9; ++q) {
             const Index six = kOfNine[q];
-            const bool is_diagonal = q % 4 == 0;
-            float* const to = level.value.data() + 9 * strip.begin + q * strip.lanes;
-            for (Index k = 0, a = strip.row; k < strip.size; ++k, ++a) {
-              const double more = blocks.rows() > 0 ? blocks(a, six) : 0;
-              to[k] = static_cast<float>(diagonal_(a, six) + more + (is_diagonal ? d[a] : 0));
-            }
+            Eigen::ArrayXd sum = diagonal_.col(six).segment(strip.row, strip.size);
+            if (blocks.rows() > 0) sum += blocks.col(six).segment(strip.row, strip.size).array();
+            if (q % 4 == 0) sum += d.segment(strip.row, strip.size).array();
+            Eigen::Map<Eigen::ArrayXf>(level.value.data() + 9 * strip.begin + q * strip.lanes,
+                                       strip.size) = sum.cast<float>();
           }
         }
       });

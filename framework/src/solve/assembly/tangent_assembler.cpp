@@ -22,6 +22,7 @@ Tangent TangentAssembler::kind_of(const JetAssembler::Term& term, Tangent kind) 
 TangentAssembler::TangentAssembler(const JetAssembler& terms) : terms_(&terms) {
   for (const JetAssembler::Term& t : terms.terms()) {
     if (!has_tangent(t)) continue;
+    with_tangent_.push_back(&t);
     for (const Derivative d :
          guarded(t.origin, "saying what it depends on", [&] { return t.term->dependence(); }))
       if (slot(d) > 0 && slot(d) < kDerivatives &&
@@ -49,9 +50,9 @@ bool TangentAssembler::depends(const GatherTable::Coefficients& l) const {
 }
 
 bool TangentAssembler::is_normal(Tangent kind) const {
-  return std::ranges::all_of(terms_->terms(), [&](const JetAssembler::Term& t) {
-    return !has_tangent(t) || guarded(t.origin, "saying what its tangent is",
-                                      [&] { return t.term->has_normal_tangent(kind_of(t, kind)); });
+  return std::ranges::all_of(with_tangent_, [&](const JetAssembler::Term* t) {
+    return guarded(t->origin, "saying what its tangent is",
+                   [&] { return t->term->has_normal_tangent(kind_of(*t, kind)); });
   });
 }
 
@@ -72,9 +73,10 @@ void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
   const Index count = along_normal ? blocks() : numbers();
   std::fill_n(h, count * stride, 0.0);
   thread_local std::vector<double> one;  // of a term that is multiplied
-  for (const JetAssembler::Term& t : terms_->terms()) {
+  for (const JetAssembler::Term* const term : with_tangent_) {
+    const JetAssembler::Term& t = *term;
     const double factor = factors.empty() ? 1 : factors[t.number];
-    if (!has_tangent(t) || factor == 0) continue;
+    if (factor == 0) continue;
     const SampleBlock block = terms_->sample_block(geometries, t, first, size);
     if (factor == 1) {
       evaluate_term(t, block, kind, {h, stride, size, along_normal});

@@ -63,6 +63,7 @@ class TangentAssembler {
   [[nodiscard]] bool depends(const GatherTable::Coefficients& l) const;
 
   const JetAssembler* terms_;
+  std::vector<const JetAssembler::Term*> with_tangent_;
   std::vector<int> derivatives_;  // that some density depends on
   std::vector<Block> blocks_;     // of a sample, upper triangle
   JetTangent::Places places_{};

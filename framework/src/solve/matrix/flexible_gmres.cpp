@@ -1,7 +1,7 @@
 #include "solve/matrix/flexible_gmres.h"
 
+#include <algorithm>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Jacobi>
@@ -47,33 +47,35 @@ class LeastSquares {
 
 }  // namespace
 
-KrylovSolution FlexibleGmres::solve(const NodeVectors& b, const KrylovLimits& limits,
-                                    NodeVectors& x) const {
+KrylovSolution FlexibleGmres::solve(const Operator& a, const Operator& inverse_p,
+                                    const NodeVectors& b, const KrylovLimits& limits,
+                                    NodeVectors& x) {
   const double beta = b.norm();
   if (!(beta > 0)) return {};
-  std::vector<NodeVectors> v{b / beta}, z{x / beta};
+  const auto room = static_cast<std::size_t>(limits.vectors);
+  v_.resize(std::max(v_.size(), room));
+  z_.resize(v_.size());
+  v_[0] = b / beta;
+  z_[0] = x / beta;
   LeastSquares system(beta, limits.vectors);
-  for (int j = 0; j < limits.vectors; ++j) {
-    NodeVectors w;
-    if (!a_(z[static_cast<std::size_t>(j)], w) || !w.allFinite()) return {};
+  for (std::size_t j = 0;; ++j) {
+    if (!a(z_[j], w_) || !w_.allFinite()) return {};
     Eigen::VectorXd h = Eigen::VectorXd::Zero(limits.vectors + 1);
-    for (int i = 0; i <= j; ++i) {  // modified Gram–Schmidt
-      const NodeVectors& v_i = v[static_cast<std::size_t>(i)];
-      h[i] = dot(w, v_i);
-      w -= h[i] * v_i;
+    for (std::size_t i = 0; i <= j; ++i) {  // modified Gram–Schmidt
+      const auto row = static_cast<Index>(i);
+      h[row] = dot(w_, v_[i]);
+      w_ -= h[row] * v_[i];
     }
-    h[j + 1] = w.norm();
-    system.add_column(j, h);
-    const bool is_last = system.residual() <= limits.tolerance * beta || !(h[j + 1] > 0);
-    if (is_last || j + 1 == limits.vectors) break;
-    v.emplace_back(w / h[j + 1]);
-    z.emplace_back();
-    if (!inverse_p_(v.back(), z.back())) return {};
+    const double left = h[static_cast<Index>(j) + 1] = w_.norm();
+    system.add_column(static_cast<int>(j), h);
+    if (system.residual() <= limits.tolerance * beta || !(left > 0) || j + 1 == room) break;
+    v_[j + 1] = w_ / left;
+    if (!inverse_p(v_[j + 1], z_[j + 1])) return {};
   }
   const Eigen::VectorXd y = system.solution();
   if (!y.allFinite()) return {};
   x.setZero();
-  for (Index j = 0; j < y.size(); ++j) x += y[j] * z[static_cast<std::size_t>(j)];
+  for (Index j = 0; j < y.size(); ++j) x += y[j] * z_[static_cast<std::size_t>(j)];
   return {static_cast<int>(y.size()), system.residual() / beta};
 }
 

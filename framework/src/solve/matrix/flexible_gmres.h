@@ -2,7 +2,7 @@
 #pragma once
 
 #include <functional>
-#include <utility>
+#include <vector>
 
 #include "deform/types.h"
 
@@ -28,16 +28,16 @@ class FlexibleGmres {
   /// Makes `out` (N × 3) of `in` (N × 3); false where it cannot.
   using Operator = std::function<bool(const NodeVectors& in, NodeVectors& out)>;
 
-  FlexibleGmres(Operator a, Operator inverse_p)
-      : a_(std::move(a)), inverse_p_(std::move(inverse_p)) {}
-
-  /// `x`: P⁻¹ b, becomes the solution, or the best that the Krylov space has. Where an operator
-  /// cannot or a product is not finite, there is none, and x remains P⁻¹ b.
-  [[nodiscard]] KrylovSolution solve(const NodeVectors& b, const KrylovLimits& limits,
-                                     NodeVectors& x) const;
+  /// `inverse_p`: P⁻¹. `x`: P⁻¹ b, becomes the solution, or the best that the Krylov space has.
+  /// Where an operator cannot or a product is not finite, there is none, and x remains P⁻¹ b.
+  [[nodiscard]] KrylovSolution solve(const Operator& a, const Operator& inverse_p,
+                                     const NodeVectors& b, const KrylovLimits& limits,
+                                     NodeVectors& x);
 
  private:
-  Operator a_, inverse_p_;
+  // Kept for their memory: the Krylov space, its vectors preconditioned, a product.
+  std::vector<NodeVectors> v_, z_;
+  NodeVectors w_;
 };
 
 }  // namespace deform

@@ -40,6 +40,11 @@ struct NewtonMatrix::Impl {
   [[nodiscard]] bool give_to_solver(const StateGeometry& now);
   [[nodiscard]] bool make_whole(const StateGeometry& now);
   [[nodiscard]] bool add_beside_rows(std::span<const BlockEntry> entries);
+  /// Means of strains that a step averages are of whatever was evaluated last.
+  void update_mean(const StateGeometry& now) const {
+    Strains* const strains = impl_of(request.strains);
+    if (averages(strains)) strains->update_mean(now);
+  }
   void add_other_parts(const State& state, const StateGeometry& now);
   const BlockMatrix& whole();
   TangentSolver& made_solver();
@@ -56,7 +61,9 @@ struct NewtonMatrix::Impl {
   NodeValues stiffness, damping;  // of force fields, (N) [N/m], [N·s/m]
   NodeValues diagonal;            // both together; no part of the rows that a solver is given
   NodeValues beside_rows;         // that, and what a solution adds
-  NodeBlocks blocks;              // that were added to the rows of a solver; (0 × 6): none
+  NodeBlocks blocks;              // that were added to the rows of a solver, where there are any
+  const NodeBlocks no_blocks{0, 6};
+  bool has_blocks = false;
   std::vector<Freedom> held;
   std::optional<TangentSolver> solver;
   long step = -1;  // in which an iterative solver was last prepared: it takes nothing from earlier
@@ -107,12 +114,12 @@ bool NewtonMatrix::Impl::make_whole(const StateGeometry& now) {
   k.value.resize(9 * k.column.size());
   const bool is_finite = make_rows(now, [&](const BlockRows& rows) { return pattern.store(rows); });
   for (Index a = 0; a < k.nodes; ++a) k.block(a, a).diagonal().array() += diagonal[a];
-  for (Index a = 0; a < blocks.rows(); ++a) {
+  for (Index a = 0; has_blocks && a < k.nodes; ++a) {
     const auto b = blocks.row(a);
     k.block(a, a) +=
         (Eigen::Matrix3d() << b[0], b[1], b[2], b[1], b[3], b[4], b[2], b[4], b[5]).finished();
   }
-  blocks.resize(0, 6);
+  has_blocks = false;
   return is_finite;
 }
 
@@ -121,7 +128,7 @@ bool NewtonMatrix::Impl::add_beside_rows(std::span<const BlockEntry> entries) {
   const bool are_diagonal = std::ranges::all_of(
       entries, [this](const BlockEntry& e) { return e.a == e.b && e.a >= 0 && e.a < k.nodes; });
   if (!solver_has_rows || is_whole || !are_diagonal) return false;
-  if (blocks.rows() == 0) blocks.setZero(k.nodes, 6);
+  if (!std::exchange(has_blocks, true)) blocks.setZero(k.nodes, 6);
   for (const BlockEntry& e : entries) {
     const Eigen::Matrix3d& m = e.block;
     blocks.row(e.a) +=
@@ -134,7 +141,9 @@ bool NewtonMatrix::Impl::add_beside_rows(std::span<const BlockEntry> entries) {
 const BlockMatrix& NewtonMatrix::Impl::whole() {
   if (is_whole || !is_evaluated) return k;
   const Span span("tangent once more");
-  (void)make_whole(*parts->assembly.terms.geometry_at(at.r));
+  const auto now = parts->assembly.terms.geometry_at(at.r);
+  update_mean(*now);
+  (void)make_whole(*now);
   return k;
 }
 
@@ -154,15 +163,15 @@ void NewtonMatrix::evaluate(const State& state, const TangentRequest& request) {
   const Stopwatch watch(&StepTimes::assembly, "tangent");
   Strains* const strains = impl_of(request.strains);
   const auto now = terms.geometry_at(state.r);
-  if (averages(strains)) strains->update_mean(*now);
   i.request = request;
+  i.update_mean(*now);
   if (request.before != nullptr)
     i.before = *request.before;
   else
     i.before.resize(0, 3);
   i.at = state;
   i.is_evaluated = true;
-  i.blocks.resize(0, 6);
+  i.has_blocks = false;
   i.stiffness.setZero(terms.rows());
   i.damping.setZero(terms.rows());
   terms.external().add_tangent(state, now->normals, i.stiffness, i.damping, nullptr, true);
@@ -235,7 +244,8 @@ std::string NewtonMatrix::solve_to(double tolerance, const NodeValues& d, const 
       i.beside_rows += i.diagonal;
     else if (solver.takes_rows() && !std::exchange(i.solver_has_rows, true))
       solver.put(i.k);
-    reason = solver.factor_to_tolerance(d, i.beside_rows, i.blocks, renews);
+    reason =
+        solver.factor_to_tolerance(d, i.beside_rows, i.has_blocks ? i.blocks : i.no_blocks, renews);
     i.report_choice();
   }
   return reason.empty() ? solve_again(tolerance, b, x) : reason;

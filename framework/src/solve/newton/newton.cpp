@@ -41,8 +41,6 @@ constexpr double kForcingAtKinks = 0.1;
 constexpr int kMostDoublings = 6;
 /// What a sum of energies may be wrong by, relative.
 constexpr double kRoundingOfEnergy = 1e-13;
-/// Residuals, relative to the forces at work, that are close to a solution's.
-constexpr double kClose = 0.2;
 /// Where a merit may fall on and on along a path that leads round, and after so many steps nothing
 /// is close, a shorter time step does better.
 constexpr std::int64_t kMostRoundabout = 12;

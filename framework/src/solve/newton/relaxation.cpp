@@ -46,9 +46,7 @@ double largest(const NodeVectors& v) { return v.rows() > 0 ? v.rowwise().norm().
 
 struct Relaxation::Impl {
   explicit Impl(RelaxationSettings s)
-      : settings(s),
-        newton(
-            {.tolerance = s.tolerance, .iterations = s.iterations, .newton_error = kStageError}) {}
+      : settings(s), newton({.tolerance = s.tolerance, .iterations = s.iterations}) {}
 
   void begin(const System& system, const State& state, double end);
   [[nodiscard]] double first_step(const System& system, const State& state) const;

@@ -11,7 +11,7 @@
 #include "not_finite.h"
 #include "profile/profile.h"
 #include "solve/matrix/difference_step.h"
-#include "solve/matrix/flexible_gmres.h"
+#include "solve/newton/constants.h"
 #include "solve/newton/convergence.h"
 #include "solve/newton/descent_direction.h"
 #include "solve/system_parts.h"
@@ -24,9 +24,6 @@ constexpr Index kRows = 2048;
 /// Where no step moves anything, friction agrees with the normal forces if making it that of these
 /// leaves no more than so many times the residual.
 constexpr double kSameResidual = 2;
-/// Farther from a solution (residuals relative to the forces at work) forces that no symmetric
-/// tangent knows are not worth looking at.
-constexpr double kClose = 0.2;
 /// Of the Krylov space that a direction is looked for in, at most; and the residual that a
 /// direction without a potential may leave of its equation: |F| falls along it as long as that is
 /// below 1.
@@ -322,20 +319,20 @@ void StageObjective::multiply_jacobian(const State& state, const NodeVectors& y,
 double StageObjective::complete(const State& state, const NodeVectors& b, double tolerance,
                                 NodeVectors& direction) {
   const Span span("whole Jacobian");
-  const FlexibleGmres gmres(
-      [&](const NodeVectors& y, NodeVectors& product) {
-        multiply_jacobian(state, y, product);
-        return true;
-      },
-      [&](const NodeVectors& v, NodeVectors& z) {
-        const bool solved = matrix_->solve_again(tolerance, v, z).empty();
-        solver_iterations_ += matrix_->solver_iterations();
-        return solved;
-      });
+  const auto multiply = [&](const NodeVectors& y, NodeVectors& product) {
+    multiply_jacobian(state, y, product);
+    return true;
+  };
+  const auto precondition = [&](const NodeVectors& v, NodeVectors& z) {
+    const bool solved = matrix_->solve_again(tolerance, v, z).empty();
+    solver_iterations_ += matrix_->solver_iterations();
+    return solved;
+  };
   NodeVectors completed = direction;
   KrylovSolution found;
   try {
-    found = gmres.solve(b, {.tolerance = tolerance, .vectors = kMostVectors}, completed);
+    found = gmres_.solve(multiply, precondition, b,
+                         {.tolerance = tolerance, .vectors = kMostVectors}, completed);
   } catch (const NotFinite&) {  // where forces end, there is no derivative
   }
   if (found.vectors > 1) ++completed_directions_;

@@ -11,6 +11,7 @@
 #include "deform/solve/newton_matrix.h"
 
 #include "solve/contact/active_contacts.h"
+#include "solve/matrix/flexible_gmres.h"
 
 namespace deform {
 
@@ -114,12 +115,13 @@ class StageObjective final : public Objective {
   double tolerance_ = 0, error_ = 0, share_ = 0;  // limits
   double size_ = 0, scale_ = 0;
   long solver_iterations_ = 0, completed_directions_ = 0;
-  NodeValues mass_, damping_;   // M/τ², Γ/τ [N/m]
-  NodeValues diagonal_;         // their sum
-  NodeVectors inertial_;        // r_base + τ v_base
-  NodeVectors force_;           // f
-  NodeVectors residual_;        // F
-  NodeVectors target_;          // F and what predicted contacts want
+  NodeValues mass_, damping_;  // M/τ², Γ/τ [N/m]
+  NodeValues diagonal_;        // their sum
+  NodeVectors inertial_;       // r_base + τ v_base
+  NodeVectors force_;          // f
+  NodeVectors residual_;       // F
+  NodeVectors target_;         // F and what predicted contacts want
+  FlexibleGmres gmres_;
   State displaced_;             // for products with the Jacobian …
   NodeVectors force_ahead_;     // … and the force ahead
   mutable NodeVectors change_;  // from the prediction; kept for its memory
