@@ -76,11 +76,12 @@ void BlockSystem::factor(const deform::NodeValues& d, const deform::NodeBlocks& 
           const Strips::Strip& strip = level.strips.strips()[s];
           for (Index q = 0; q < 9; ++q) {
             const Index six = kOfNine[q];
-            Eigen::ArrayXd sum = diagonal_.col(six).segment(strip.row, strip.size);
-            if (blocks.rows() > 0) sum += blocks.col(six).segment(strip.row, strip.size).array();
-            if (q % 4 == 0) sum += d.segment(strip.row, strip.size).array();
-            Eigen::Map<Eigen::ArrayXf>(level.value.data() + 9 * strip.begin + q * strip.lanes,
-                                       strip.size) = sum.cast<float>();
+            float* to = level.value.data() + 9 * strip.begin + q * strip.lanes;
+            for (Index r = strip.row; r < strip.row + strip.size; ++r) {
+              const double of_contact = blocks.rows() > 0 ? blocks(r, six) : 0;
+              const double of_nodes = q % 4 == 0 ? d[r] : 0;
+              *to++ = static_cast<float>(diagonal_(r, six) + of_contact + of_nodes);
+            }
           }
         }
       });
