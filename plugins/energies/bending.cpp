@@ -73,12 +73,12 @@ class Bending final : public JetTerm {
   void tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const override {
     norm_.tangent(block, kind, h);
   }
-  [[nodiscard]] bool has_normal_tangent(Tangent kind) const override {
-    return norm_.has_normal_tangent(kind);
+  [[nodiscard]] TangentShape tangent_shape(Tangent kind) const override {
+    return norm_.tangent_shape(kind);
   }
-  void normal_tangent(const SampleBlock& block, Tangent kind,
-                      const NormalTangent& c) const override {
-    norm_.normal_tangent(block, kind, c);
+  void tangent_factors(const SampleBlock& block, Tangent kind,
+                       const TangentFactors& c) const override {
+    norm_.tangent_factors(block, kind, c);
   }
 
   [[nodiscard]] int auxiliary_fields() const override { return expanded_ ? 3 : 0; }

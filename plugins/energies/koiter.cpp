@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <deform/model/materials.h>
+#include <deform/model/plate_term.h>
 #include <deform/model/quadratic_term.h>
 #include <deform/plugin/field.h>
 #include <deform/surface/surface.h>
@@ -19,6 +20,7 @@ struct Parameters {
   Field young = kNotGiven;
   double poisson = kNotGiven;
   Field thickness = kNotGiven;
+  std::string bending = "curvature";
   static void declare(Declaration<Parameters>& d) {
     std::vector<std::string> names = sheet_material_names();
     names.insert(names.begin(), "none");
@@ -35,6 +37,12 @@ struct Parameters {
     d("thickness", &Parameters::thickness, "m", "of the sheet; the material's when absent")
         .at_least(0)
         .optional();
+    d("bending", &Parameters::bending, "",
+      "\"curvature\": in B − B⁰, for any shape; \"isometric\": in the second derivatives of r, "
+      "which "
+      "is the same where a flat sheet bends without stretching, smooth where cloth folds more "
+      "sharply than its grid resolves, and constant in Newton's matrix")
+        .one_of({"curvature", "isometric"});
   }
 };
 
@@ -62,12 +70,15 @@ Parameters completed(Parameters p) {
   return p;
 }
 
-/// factor · √det G⁰ [(1 − ν) tr(M²) + ν tr(M)²] with M = G⁰⁻¹ X, as a quadratic form of X.
-class IsotropicTerm final : public QuadraticTerm {
+/// factor · √det G⁰ [(1 − ν) tr(M²) + ν tr(M)²] with M = G⁰⁻¹ X, as a quadratic form of X, which
+/// Term (a QuadraticTerm or a PlateTerm, made of `of`) defines.
+template <class Term>
+class Isotropic final : public Term {
  public:
-  /// `factor`: one number a sample of the form's set [N/m or N·m].
-  IsotropicTerm(Form form, NodeValues factor, double nu)
-      : QuadraticTerm(form), factor_(std::move(factor)), nu_(nu) {}
+  /// `factor`: one number a sample of the term's set [N/m or N·m].
+  template <class... Of>
+  Isotropic(NodeValues factor, double nu, const Of&... of)
+      : Term(of...), factor_(std::move(factor)), nu_(nu) {}
 
   void stiffness(const GeometryBlock& rest, FormStiffness& c) const override {
     c.set_isotropic(rest, factor_.data() + rest.first(), nu_);
@@ -78,7 +89,7 @@ class IsotropicTerm final : public QuadraticTerm {
   double nu_;
 };
 
-/// W = E h/(8(1−ν²)) […in G − G⁰] + E h³/(24(1−ν²)) […in B − B⁰] per rest area.
+/// W = E h/(8(1−ν²)) […in G − G⁰] + E h³/(24(1−ν²)) […in B − B⁰ or r_;ij] per rest area.
 class Koiter final : public CompoundTerm {
  public:
   Koiter(const Parameters& given, const Setup& setup) {
@@ -95,8 +106,16 @@ class Koiter final : public CompoundTerm {
         at(p.young, SampleRole::membrane) * at(p.thickness, SampleRole::membrane) / (8 * plane);
     const NodeValues bending = at(p.young, SampleRole::bending) *
                                at(p.thickness, SampleRole::bending).cube() / (24 * plane);
-    parts_ = {{"stretching", std::make_shared<IsotropicTerm>(Form::metric, stretching, p.poisson)},
-              {"bending", std::make_shared<IsotropicTerm>(Form::curvature, bending, p.poisson)}};
+    const auto plate = [&]() -> std::shared_ptr<EnergyTerm> {
+      require_flat(setup);
+      return std::make_shared<Isotropic<PlateTerm>>(bending, p.poisson, surface, setup.rest(),
+                                                    PlateTerm::Twist::separate);
+    };
+    parts_ = {{"stretching",
+               std::make_shared<Isotropic<QuadraticTerm>>(stretching, p.poisson, Form::metric)},
+              {"bending", p.bending == "isometric" ? plate()
+                                                   : std::make_shared<Isotropic<QuadraticTerm>>(
+                                                         bending, p.poisson, Form::curvature)}};
   }
   [[nodiscard]] const std::vector<Part>& parts() const override { return parts_; }
   [[nodiscard]] NodeValues mass_per_area() const override { return mass_; }
@@ -108,7 +127,9 @@ class Koiter final : public CompoundTerm {
 
 }  // namespace
 
-DEFORM_PLUGIN(Koiter, Parameters, .name = "koiter", .version = "1.0",
+DEFORM_PLUGIN(Koiter, Parameters, .name = "koiter", .version = "1.1",
               .summary = "thin shell of an isotropic St. Venant–Kirchhoff material",
-              .formula = "W = E h/(8(1−ν²)) [(1−ν) tr(M²) + ν tr(M)²] + E h³/(24(1−ν²)) [in S]",
-              .source = "Koiter 1966; Ciarlet 2005")
+              .formula =
+                  "W = E h/(8(1−ν²)) [(1−ν) tr(M²) + ν tr(M)²] + E h³/(24(1−ν²)) [in S, or of the "
+                  "vectors r_;ij]",
+              .source = "Koiter 1966; Ciarlet 2005; isometric: Bergou et al. 2006")

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <deform/model/materials.h>
+#include <deform/model/plate_term.h>
 #include <deform/model/quadratic_term.h>
 #include <deform/surface/surface.h>
 
@@ -16,6 +17,7 @@ struct Parameters {
   std::string material = "none";
   double young_1 = kNotGiven, young_2 = kNotGiven, shear = kNotGiven, poisson = kNotGiven,
          thickness = kNotGiven;
+  std::string bending = "curvature";
   static void declare(Declaration<Parameters>& d) {
     std::vector<std::string> names{"none"};
     for (const SheetMaterial& sheet : sheet_materials())
@@ -42,6 +44,12 @@ struct Parameters {
     d("thickness", &Parameters::thickness, "m", "of the sheet; the material's when absent")
         .above(0)
         .optional();
+    d("bending", &Parameters::bending, "",
+      "\"curvature\": in B − B⁰, for any shape; \"isometric\": in the second derivatives of r, "
+      "which "
+      "is the same where a flat sheet bends without stretching, smooth where cloth folds more "
+      "sharply than its grid resolves, and constant in Newton's matrix")
+        .one_of({"curvature", "isometric"});
   }
 };
 
@@ -70,10 +78,13 @@ Parameters completed(Parameters p) {
 }
 
 /// factor · √det G⁰ · x·Q x of the components x = (X'_11, X'_12, X'_22) of X along the orthonormal
-/// frame e_1 ∥ r_1, e_2 of the rest surface.
-class OrthotropicTerm final : public QuadraticTerm {
+/// frame e_1 ∥ r_1, e_2 of the rest surface; Term (a QuadraticTerm or a PlateTerm, made of `of`)
+/// says what X is.
+template <class Term>
+class Orthotropic final : public Term {
  public:
-  OrthotropicTerm(Form form, double factor, const Parameters& p) : QuadraticTerm(form) {
+  template <class... Of>
+  Orthotropic(double factor, const Parameters& p, const Of&... of) : Term(of...) {
     const double poisson_2 = p.poisson * p.young_2 / p.young_1;
     const double plane = 1 - p.poisson * poisson_2;
     Q_ << p.young_1 / plane, 0, poisson_2 * p.young_1 / plane,  //
@@ -107,7 +118,7 @@ class OrthotropicTerm final : public QuadraticTerm {
 };
 
 /// W = h/8 [Q_11 X_11² + 2 Q_12 X_11 X_22 + Q_22 X_22² + 4 G X_12²] in X = G − G⁰ and h³/24 [the
-/// same] in X = B − B⁰, per rest area.
+/// same] in X = B − B⁰ or r_;ij, per rest area.
 class KoiterOrthotropic final : public CompoundTerm {
  public:
   KoiterOrthotropic(const Parameters& given, const Setup& setup) {
@@ -116,8 +127,16 @@ class KoiterOrthotropic final : public CompoundTerm {
     if (p.material != "none")
       mass_ = NodeValues::Constant(setup.surface().nodes(),
                                    sheet_material(p.material).mass_per_area(h));
-    parts_ = {{"stretching", std::make_shared<OrthotropicTerm>(Form::metric, h / 8, p)},
-              {"bending", std::make_shared<OrthotropicTerm>(Form::curvature, h * h * h / 24, p)}};
+    const double bending = h * h * h / 24;
+    const auto plate = [&]() -> std::shared_ptr<EnergyTerm> {
+      require_flat(setup);
+      return std::make_shared<Orthotropic<PlateTerm>>(bending, p, setup.surface(), setup.rest(),
+                                                      PlateTerm::Twist::separate);
+    };
+    parts_ = {{"stretching", std::make_shared<Orthotropic<QuadraticTerm>>(h / 8, p, Form::metric)},
+              {"bending", p.bending == "isometric" ? plate()
+                                                   : std::make_shared<Orthotropic<QuadraticTerm>>(
+                                                         bending, p, Form::curvature)}};
   }
   [[nodiscard]] const std::vector<Part>& parts() const override { return parts_; }
   [[nodiscard]] NodeValues mass_per_area() const override { return mass_; }
@@ -129,9 +148,9 @@ class KoiterOrthotropic final : public CompoundTerm {
 
 }  // namespace
 
-DEFORM_PLUGIN(KoiterOrthotropic, Parameters, .name = "koiter_orthotropic", .version = "1.0",
+DEFORM_PLUGIN(KoiterOrthotropic, Parameters, .name = "koiter_orthotropic", .version = "1.1",
               .summary = "thin shell of a material with two directions: woven cloth, paper",
               .formula =
                   "W = h/8 [Q_11 X_11² + 2 Q_12 X_11 X_22 + Q_22 X_22² + 4 G X_12²] in G − G⁰ "
-                  "+ h³/24 […] in B − B⁰",
+                  "+ h³/24 […] in B − B⁰, or of the vectors r_;ij",
               .source = "Koiter 1966; Jones, Mechanics of Composite Materials, chapter 2")

@@ -51,6 +51,12 @@ constexpr const char* kIsotropic =
     R"({"plugin": "koiter_orthotropic", "young_1": 50, "young_2": 50, "shear": 19.23076923076923,
         "poisson": 0.3, "thickness": 0.05})";
 constexpr const char* kThinPlate = R"({"plugin": "thin_plate", "xi": 2e-4, "poisson": 0.3})";
+constexpr const char* kIsometric =
+    R"({"plugin": "koiter", "young": 50, "poisson": 0.3, "thickness": 0.05,
+        "bending": "isometric"})";
+constexpr const char* kOrthotropicIsometric =
+    R"({"plugin": "koiter_orthotropic", "young_1": 60, "young_2": 30, "shear": 9, "poisson": 0.4,
+        "thickness": 0.05, "bending": "isometric"})";
 constexpr const char* kSprings = R"({"plugin": "edge_springs", "stiffness": 2.0})";
 
 class Tangents : public testing::TestWithParam<Case> {
@@ -142,6 +148,54 @@ TEST(Koiter, RolledSheetHasItsEnergy) {
   EXPECT_GT(std::log2(coarse / fine), 1.9);
 }
 
+/// Where a flat sheet is rolled up without stretching, r_;ij = B_ij n, but for the differences'
+/// error, which is of second order; and turning the sheet changes nothing.
+TEST(Isometric, IsBendingInTheCurvatureWhereNothingStretches) {
+  const auto energies = [&](const char* nodes) {
+    const auto of = [&](const char* energy, const char* rest) {
+      return simulation_of_energies(energy, rest, nodes);
+    };
+    Simulation curvature = of(kOrthotropic, kFlat), isometric = of(kOrthotropicIsometric, kFlat);
+    const Simulation rolled = of(kOrthotropic, R"({"plugin": "arc", "radius": 0.5})");
+    const NodeVectors& r = rolled.state().r;
+    const auto bending = [](Simulation& s, const NodeVectors& at) {
+      return s.system().terms().energy(1, {at, NodeVectors::Zero(at.rows(), 3), 0});
+    };
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(2.0, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
+    const double one = bending(isometric, r);
+    EXPECT_NEAR(bending(isometric, r * turn.transpose()) / one, 1, 1e-12);
+    return one / bending(curvature, r) - 1;
+  };
+  const double coarse = energies("[17, 5]"), fine = energies("[33, 5]");
+  EXPECT_LT(std::abs(fine), 5e-3);
+  EXPECT_GT(std::log2(coarse / fine), 1.9);
+}
+
+/// Half of a crease across which r_1 vanishes: there the normal, and with it the force of bending
+/// in B, is no function of positions; that of the isometric form has a derivative.
+TEST(Isometric, HasAForceWhereANodeFrameVanishes) {
+  Simulation s = simulation_of_energies(kIsometric, kFlat);
+  NodeVectors r = s.system().rest();
+  for (Index j = 0; j < 5; ++j) {  // folded back about the third column
+    const Index fold = 6 * j + 2;
+    r.row(fold + 1) = r.row(fold - 1);
+    r(fold, 2) += 0.2;
+  }
+  const State state{r, NodeVectors::Zero(r.rows(), 3), 0};
+  EXPECT_LT(tangent_error(s.system(), state), 1e-8);
+}
+
+TEST(Isometric, WantsAFlatRestSurface) {
+  for (const char* energy : {kIsometric, kOrthotropicIsometric}) try {
+      static_cast<void>(simulation_of_energies(energy, kSphere));
+      ADD_FAILURE() << energy;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("the rest surface is curved"), std::string::npos)
+          << e.what();
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     All, Tangents,
     testing::Values(Case{"stretching_flat", kStretching, kOneSided, kFlat},
@@ -157,6 +211,11 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"orthotropic_sheared", kOrthotropic, kSymmetric, kSheared},
                     Case{"orthotropic_torus", kOrthotropic, kSymmetric, kTorusPart},
                     Case{"thin_plate", kThinPlate, kSymmetric, kFlat},
+                    Case{"thin_plate_sphere", kThinPlate, kSymmetric, kSphere},
+                    Case{"thin_plate_sheared", kThinPlate, kSymmetric, kSheared},
+                    Case{"isometric", kIsometric, kSymmetric, kFlat},
+                    Case{"isometric_forward", kIsometric, kOneSided, kFlat},
+                    Case{"orthotropic_isometric", kOrthotropicIsometric, kSymmetric, kFlat},
                     Case{"springs", kSprings, kCentral, kSphere}),
     [](const auto& tested) { return std::string(tested.param.name); });
 

@@ -25,7 +25,7 @@ class SomeNumbers {
 };
 
 class TangentRows : public SomeNumbers, public testing::TestWithParam<Index> {};
-class TangentRowKinds : public SomeNumbers, public testing::TestWithParam<bool> {};
+class TangentRowShapes : public SomeNumbers, public testing::TestWithParam<TangentShape> {};
 
 /// Rows side by side, and where each is to go.
 struct Moved {
@@ -98,7 +98,7 @@ TangentPlan some_plan() {
 constexpr Index kBlocks = 2, kNumbers = 27;  // of a sample; of a row
 
 /// Numbers that lie further on by a lane belong to the next row.
-TEST_P(TangentRowKinds, SideBySideHaveTheBitsOfOneByOne) {
+TEST_P(TangentRowShapes, SideBySideHaveTheBitsOfOneByOne) {
   const TangentPlan plan = some_plan();
   const std::vector<double> h = some_numbers(2 * 9 * kBlocks * kSampleLanes);
   const std::vector<std::uint32_t> places = {3, 9 * kBlocks * kSampleLanes};
@@ -119,10 +119,12 @@ TEST_P(TangentRowKinds, SideBySideHaveTheBitsOfOneByOne) {
     }
   }
 }
-INSTANTIATE_TEST_SUITE_P(AlongTheNormal, TangentRowKinds, testing::Bool());
+INSTANTIATE_TEST_SUITE_P(All, TangentRowShapes,
+                         testing::Values(TangentShape::blocks, TangentShape::normal,
+                                         TangentShape::identity));
 
 /// Found out in rows, not in lanes behind them.
-TEST_P(TangentRowKinds, WithSomethingNotFiniteAreFoundOut) {
+TEST_P(TangentRowShapes, WithSomethingNotFiniteAreFoundOut) {
   const TangentPlan plan = some_plan();
   const std::vector<std::uint32_t> places = {0, 9 * kBlocks * kSampleLanes};
   std::vector<double> room(room_for(plan)), rows(kNumbers * kRowLanes);
@@ -136,8 +138,8 @@ TEST_P(TangentRowKinds, WithSomethingNotFiniteAreFoundOut) {
   }
 }
 
-/// Blocks c n nᵀ, by c and n or by their nine numbers.
-TEST_F(TangentRowKinds, AlongTheNormalAreThoseOfItsBlocks) {
+/// Blocks c n nᵀ or c I, by their factors or by their nine numbers.
+TEST_P(TangentRowShapes, AreThoseOfTheirBlocks) {
   const TangentPlan plan = some_plan();
   const std::vector<std::uint32_t> places = {0, 9 * kBlocks * kSampleLanes};
   const std::vector<double> c = some_numbers(2 * 9 * kBlocks * kSampleLanes);
@@ -146,21 +148,28 @@ TEST_F(TangentRowKinds, AlongTheNormalAreThoseOfItsBlocks) {
     for (std::size_t k = 0; k < kRowLanes; ++k) {
       const auto number = [&](std::size_t q) { return c[sample + q * kSampleLanes + k]; };
       const Eigen::Vector3d n(number(kBlocks), number(kBlocks + 1), number(kBlocks + 2));
+      Eigen::Matrix3d shape = Eigen::Matrix3d::Identity();
+      if (GetParam() == TangentShape::normal) shape = n * n.transpose();
       for (std::size_t block = 0; block < kBlocks; ++block)
         for (std::size_t q = 0; q < 9; ++q)
           h[sample + (9 * block + q) * kSampleLanes + k] =
-              number(block) * n[static_cast<Index>(q / 3)] * n[static_cast<Index>(q % 3)];
+              GetParam() == TangentShape::blocks
+                  ? number(9 * block + q)
+                  : number(block) * shape(static_cast<Index>(q / 3), static_cast<Index>(q % 3));
     }
-  std::vector<double> room(room_for(plan)), rows(kNumbers * kRowLanes), expected(rows);
-  EXPECT_TRUE(make_rows(plan, {c.data(), places.data(), true, kBlocks}, false, kRowLanes,
-                        room.data(), rows.data()));
-  EXPECT_TRUE(make_rows(plan, {h.data(), places.data(), false, kBlocks}, false, kRowLanes,
-                        room.data(), expected.data()));
-  for (std::size_t i = 0; i < rows.size(); ++i) ASSERT_NEAR(rows[i], expected[i], 1e-13) << i;
+  std::vector<double> room(room_for(plan));
+  for (const bool adds : {false, true}) {
+    std::vector<double> rows = some_numbers(kNumbers * kRowLanes), expected = rows;
+    EXPECT_TRUE(make_rows(plan, {c.data(), places.data(), GetParam(), kBlocks}, adds, kRowLanes,
+                          room.data(), rows.data()));
+    EXPECT_TRUE(make_rows(plan, {h.data(), places.data(), TangentShape::blocks, kBlocks}, adds,
+                          kRowLanes, room.data(), expected.data()));
+    for (std::size_t i = 0; i < rows.size(); ++i) ASSERT_NEAR(rows[i], expected[i], 1e-13) << i;
+  }
 }
 
 /// Σ d (Σ l h) by the plan as it reads.
-TEST_F(TangentRowKinds, AreTheSumsThatThePlanSays) {
+TEST_F(TangentRowShapes, AreTheSumsThatThePlanSays) {
   const TangentPlan plan = some_plan();
   const std::vector<std::uint32_t> places = {2, 9 * kBlocks * kSampleLanes};
   const std::vector<double> h = some_numbers(2 * 9 * kBlocks * kSampleLanes);
@@ -177,8 +186,8 @@ TEST_F(TangentRowKinds, AreTheSumsThatThePlanSays) {
                                                 Eigen::Matrix3d::Zero(),
                                                 3 * parts[0] - 0.5 * parts[2]};
   std::vector<double> room(room_for(plan)), row(kNumbers, 1);
-  EXPECT_TRUE(
-      make_row(plan, {h.data(), places.data(), false, kBlocks}, false, room.data(), row.data()));
+  EXPECT_TRUE(make_row(plan, {h.data(), places.data(), TangentShape::blocks, kBlocks}, false,
+                       room.data(), row.data()));
   for (std::size_t i = 0; i < row.size(); ++i)
     EXPECT_NEAR(row[i], expected[i / 9](static_cast<Index>(i % 9 / 3), static_cast<Index>(i % 3)),
                 1e-14);

@@ -51,9 +51,10 @@ class JetBench {
            deform::has_numerical_stress(term_, block_at(0, std::min(kBlock, samples_.size())));
   }
 
-  /// The largest difference of second derivatives from the multiples of n nᵀ that the term
+  /// The largest difference of second derivatives from the multiples of n nᵀ or I that the term
   /// promises, relative to the largest.
-  [[nodiscard]] double normal_tangent_error(Tangent kind) const {
+  [[nodiscard]] double tangent_shape_error(Tangent kind) const {
+    const bool is_normal = term_.tangent_shape(kind) == TangentShape::normal;
     JetTangent::Places places{};
     std::int16_t blocks = 0;
     for (std::size_t m = 1; m < kDerivatives; ++m)
@@ -64,9 +65,9 @@ class JetBench {
     for (Index first = 0; first < size; first += kBlock) {
       const SampleBlock block = block_at(first, std::min(kBlock, size - first));
       const JetTangent whole(h.data() + first, size, places, block.size());
-      const NormalTangent along(c.data() + first, size, places, block.size());
+      const TangentFactors factors(c.data() + first, size, places, block.size());
       term_.tangent(block, kind, whole);
-      term_.normal_tangent(block, kind, along);
+      term_.tangent_factors(block, kind, factors);
       for (int m = 1; m < kDerivatives; ++m)
         for (int n = m; n < kDerivatives; ++n)
           for (Index s = 0; s < 9 * block.size(); ++s) {
@@ -75,8 +76,8 @@ class JetBench {
             const Vec3 normal = block.now.n()[at];
             const double entry = whole.entry(dm, dn, static_cast<int>(i), static_cast<int>(j))[at];
             largest = std::max(largest, std::abs(entry));
-            difference = std::max(
-                difference, std::abs(entry - along.entry(dm, dn)[at] * normal[i] * normal[j]));
+            const double shape = is_normal ? normal[i] * normal[j] : i == j ? 1.0 : 0.0;
+            difference = std::max(difference, std::abs(entry - factors.entry(dm, dn)[at] * shape));
           }
     }
     return largest > 0 ? difference / largest : difference;
@@ -240,13 +241,12 @@ void check_reading(const JetTerm& term, const Surface& surface, const NodeVector
                is_finite(term.reads()) || !is_finite(Geometry::Detail::second), "it reads more");
 }
 
-void check_normal_tangents(const JetTerm& term, const JetBench& bench, Checks& checks) {
+void check_tangent_shapes(const JetTerm& term, const JetBench& bench, Checks& checks) {
   if (!term.traits().potential) return;
-  for (const Tangent kind :
-       {Tangent::exact, Tangent::projected, Tangent::gauss_newton, Tangent::mixed})
-    if (term.has_normal_tangent(kind))
-      checks.below("tangents along the normal: those that `tangent` gives, relative",
-                   bench.normal_tangent_error(kind), 1e-12);
+  for (const Tangent kind : kTangents)
+    if (term.tangent_shape(kind) != TangentShape::blocks)
+      checks.below("tangent_factors: of what `tangent` gives, relative",
+                   bench.tangent_shape_error(kind), 1e-12);
 }
 
 void check_blocks_of(const EnergyTerm& term, const Surface& surface, Checks& checks) {
@@ -262,7 +262,7 @@ void check_blocks_of(const EnergyTerm& term, const Surface& surface, Checks& che
       checks.report("stress",
                     "none: forces are differences of energy_density, tangents differences "
                     "of these; `stress` makes both exact, and faster");
-    check_normal_tangents(*jets, JetBench(*jets, surface, r, Geometry::Detail::second), checks);
+    check_tangent_shapes(*jets, JetBench(*jets, surface, r, Geometry::Detail::second), checks);
   } else {
     checks.holds("is a JetTerm or a TupleTerm, or a sum of such", false,
                  "it is neither: no force comes of it");

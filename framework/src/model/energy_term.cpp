@@ -71,12 +71,12 @@ void JetTerm::affine_stress(const SampleBlock& /*block*/, const AffineStress& /*
               "the term promises a lagged operator but has no affine_stress");
 }
 
-bool JetTerm::has_normal_tangent(Tangent /*kind*/) const { return false; }
+TangentShape JetTerm::tangent_shape(Tangent /*kind*/) const { return TangentShape::blocks; }
 
-void JetTerm::normal_tangent(const SampleBlock& /*block*/, Tangent /*kind*/,
-                             const NormalTangent& /*c*/) const {
+void JetTerm::tangent_factors(const SampleBlock& /*block*/, Tangent /*kind*/,
+                              const TangentFactors& /*c*/) const {
   throw Error(ExitCode::plugin_failed,
-              "the term promises tangents along the normal but does not compute them");
+              "the term promises tangents of a special shape but has no tangent_factors");
 }
 
 void JetTerm::auxiliary(const SampleBlock& /*block*/, std::span<const Values> /*fields*/) const {

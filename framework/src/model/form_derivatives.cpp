@@ -132,8 +132,8 @@ void add_curvature_stress(const GeometryBlock& geometry, const GeometryBlock& or
   add_curvature_stress(geometry.size(), jet, out);
 }
 
-void add_normal_tangent(const GeometryBlock& geometry, const FormStiffness& C,
-                        const NormalTangent& to) {
+void add_curvature_factors(const GeometryBlock& geometry, const FormStiffness& C,
+                           const TangentFactors& to) {
   const CurvatureStiffness c(geometry, C);
   for (int m = 0; m < kJet; ++m)
     for (int k = m; k < kJet; ++k)

@@ -65,8 +65,8 @@ void add_normal_stress(const GeometryBlock& geometry, const BlockTensor& M, cons
 void add_curvature_stress(const GeometryBlock& geometry, const GeometryBlock& origin,
                           const FormStiffness& C, const Stress& sigma);
 /// c_mk of what follows, where no M is given.
-void add_normal_tangent(const GeometryBlock& geometry, const FormStiffness& C,
-                        const NormalTangent& to);
+void add_curvature_factors(const GeometryBlock& geometry, const FormStiffness& C,
+                           const TangentFactors& to);
 /// h_mk += c_mk n nᵀ for all m ≤ k, and, where M is given, Σ_a M_a ∂²B_a:
 ///   δ²B_ij = −2 (n·δr_k)(r^k·L_ij δr) − B_ij G^kl (n·δr_k)(n·δr_l),
 /// which follows from δn = −r^k (n·δr_k) and δr^k = −r^l (r^k·δr_l) + n G^kl (n·δr_l).

@@ -233,15 +233,16 @@ void QuadraticTerm::tangent(const SampleBlock& block, Tangent kind, const JetTan
   add_curvature_tangent(block.now, c, &M, h);
 }
 
-bool QuadraticTerm::has_normal_tangent(Tangent kind) const {
-  return form_ == Form::curvature && is_semidefinite(kind);
+TangentShape QuadraticTerm::tangent_shape(Tangent kind) const {
+  return form_ == Form::curvature && is_semidefinite(kind) ? TangentShape::normal
+                                                           : TangentShape::blocks;
 }
 
-void QuadraticTerm::normal_tangent(const SampleBlock& block, Tangent /*kind*/,
-                                   const NormalTangent& c) const {
+void QuadraticTerm::tangent_factors(const SampleBlock& block, Tangent /*kind*/,
+                                    const TangentFactors& c) const {
   FormStiffness C(block.size());
   stiffness(block.rest, C);
-  deform::add_normal_tangent(block.now, C, c);
+  add_curvature_factors(block.now, C, c);
 }
 
 Eigen::Matrix3d weighted_norm_stiffness(double factor, const PairWeights& weights) {

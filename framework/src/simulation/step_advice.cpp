@@ -14,6 +14,9 @@ namespace {
 constexpr long kEvery = 4;
 /// What is deeper inside of a body than this part of the surface's size is not there by rounding.
 constexpr double kDeep = 1e-6;
+/// Where |r_1 × r_2| is less than this part of the rest surface's, the surface is folded.
+constexpr double kFolded = 0.05;
+constexpr const char* kFold = "a fold";
 
 struct Cause {
   long count;
@@ -24,7 +27,7 @@ struct Cause {
 }  // namespace
 
 void StepAdvice::look(long step, const State& state) {
-  look_at_iterations(step);
+  look_at_iterations(step, state);
   if (system_->contact().bodies() > 1 && !has_warned_) look_for_squeezed(step, state);
 }
 
@@ -41,12 +44,39 @@ void StepAdvice::look_for_squeezed(long step, const State& state) {
   has_warned_ = true;
 }
 
-void StepAdvice::look_at_iterations(long step) {
+/// Says once where the normal is about to be no function of positions.
+bool StepAdvice::is_folded(long step, const State& state) {
+  const NodeVectors r = state.r.topRows(system_->nodes());
+  for (const Named<EnergyTerm>& energy : system_->energies()) {
+    const auto* const term = dynamic_cast<const JetTerm*>(energy.object.get());
+    if (term == nullptr || term->tangent_shape(Tangent::projected) != TangentShape::normal)
+      continue;
+    const SampleSet& samples = system_->surface().samples(term->role());
+    const auto now = system_->terms().geometry(r, samples);
+    const ConstValues area = now->all().area_element(),
+                      rest = system_->terms().rest_geometry(samples).all().area_element();
+    for (std::size_t s = 0; s < area.size(); ++s) {
+      if (!(area[s] < kFolded * rest[s])) continue;
+      if (said_.insert(kFold).second)
+        log::info(fmt::format(
+            "step {} was hard: at sample {} of '{}' the surface is folded more sharply than its "
+            "grid resolves (|r_1 × r_2| is {:.2g} of the rest surface's), where the normal, and "
+            "the force of bending with it, jumps. What helps: \"bending\": \"isometric\" of "
+            "koiter, "
+            "or a finer grid",
+            step, s, energy.name, area[s] / rest[s]));
+      return true;
+    }
+  }
+  return false;
+}
+
+void StepAdvice::look_at_iterations(long step, const State& state) {
   const StepReport& report = system_->step_report();
   const long parts = std::max(report.substeps + report.rejected, 1L);
   // Parts that error control gives up take few iterations each.
   const long many = report.rejected > 0 ? kMany / 2 : kMany;
-  if (report.iterations <= many * parts) return;
+  if (report.iterations <= many * parts || is_folded(step, state)) return;
   const Cause causes[] = {
       {system_->contact().bodies() > 0 ? report.contact_changes : 0, "contact that changes",
        "a shorter 'step', less 'friction', or bodies with rounder edges"},

@@ -11,8 +11,10 @@ namespace deform {
 
 /// Says once for each cause, with the first step that shows it, why Newton's method takes long, or
 /// why steps are halved, and what may help. A step is hard that took more than kMany iterations
-/// for each of its parts, or half as many where parts were given up. Warns once of nodes inside of
-/// a body, which only bodies that close on the surface between them bring about.
+/// for each of its parts, or half as many where parts were given up. Where bending takes the
+/// normal, a surface that is folded more sharply than its samples resolve is the cause whatever
+/// else is. Warns once of nodes inside of a body, which only bodies that close on the surface
+/// between them bring about.
 class StepAdvice {
  public:
   static constexpr long kMany = 25;
@@ -23,7 +25,8 @@ class StepAdvice {
   void look(long step, const State& state);
 
  private:
-  void look_at_iterations(long step);
+  void look_at_iterations(long step, const State& state);
+  [[nodiscard]] bool is_folded(long step, const State& state);
   void look_for_squeezed(long step, const State& state);
 
   const System* system_;

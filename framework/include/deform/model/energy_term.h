@@ -161,20 +161,22 @@ class DEFORM_API JetTerm : public EnergyTerm {
   /// What the term reads of block.now, block.lagged and block.origin; the rest of them is not a
   /// number. Default: everything, or what follows from first derivatives where the density of a
   /// potential depends on these alone and nothing else of the term says that it reads more. A term
-  /// with normal tangents gets the normal in any case.
+  /// whose tangents have the normal's shape gets the normal in any case.
   [[nodiscard]] virtual Geometry::Detail reads() const;
   /// Adds the second derivatives of the density at block.now. Terms without a potential are asked
   /// for the projected ones alone: an approximation, positive semidefinite, of their stress's
   /// derivative, with which implicit steps precondition; those of the strong form are asked where
-  /// they have normal tangents.
+  /// their tangents have the normal's shape.
   /// Default: central differences of the stress, made positive semidefinite by their spectrum
   /// where that is asked for.
   virtual void tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const;
-  /// Whether tangents of that kind are c_mn n nᵀ for all m and n, n being the normal of block.now,
-  /// as those of B along its gradient are. Then `normal_tangent` is asked for the c_mn, a ninth of
-  /// the numbers, wherever that holds for all terms of a sample set.
-  [[nodiscard]] virtual bool has_normal_tangent(Tangent kind) const;
-  virtual void normal_tangent(const SampleBlock& block, Tangent kind, const NormalTangent& c) const;
+  /// What tangents of that kind are, for all m and n, with the normal of block.now. Default:
+  /// blocks.
+  [[nodiscard]] virtual TangentShape tangent_shape(Tangent kind) const;
+  /// Adds the factors c_mn of tangents of a shape that is not `blocks`; asked for instead of
+  /// `tangent` wherever all terms of a sample set have the same shape.
+  virtual void tangent_factors(const SampleBlock& block, Tangent kind,
+                               const TangentFactors& c) const;
 
   /// Number of sample fields that `auxiliary` computes and affine_stress differences (strong form).
   [[nodiscard]] virtual int auxiliary_fields() const { return 0; }

@@ -75,8 +75,8 @@ class DEFORM_API QuadraticTerm : public JetTerm {
   void stress(const SampleBlock& block, const Stress& sigma) const final;
   void affine_stress(const SampleBlock& block, const AffineStress& sigma) const final;
   void tangent(const SampleBlock& block, Tangent kind, const JetTangent& h) const final;
-  [[nodiscard]] bool has_normal_tangent(Tangent kind) const final;
-  void normal_tangent(const SampleBlock& block, Tangent kind, const NormalTangent& c) const final;
+  [[nodiscard]] TangentShape tangent_shape(Tangent kind) const final;
+  void tangent_factors(const SampleBlock& block, Tangent kind, const TangentFactors& c) const final;
 
  private:
   void add_metric_stress(const SampleBlock& block, const FormStiffness& C,

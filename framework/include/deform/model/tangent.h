@@ -24,10 +24,22 @@ enum class Tangent : std::uint8_t {
   mixed,
 };
 
+inline constexpr std::array kTangents{Tangent::exact, Tangent::projected, Tangent::gauss_newton,
+                                      Tangent::mixed};
+
 /// Whether a tangent was asked to be positive semidefinite.
 [[nodiscard]] constexpr bool is_semidefinite(Tangent kind) {
   return kind == Tangent::projected || kind == Tangent::gauss_newton;
 }
+
+/// What second derivatives ∂²W/∂(D_m r)∂(D_n r) of a density are at each sample. Where all terms of
+/// a sample set agree on one that is more special than `blocks`, a matrix is made of the factors
+/// c_mn alone, a ninth of the numbers.
+enum class TangentShape : std::uint8_t {
+  blocks,    ///< any 3 × 3 blocks
+  normal,    ///< c_mn n nᵀ, n being the normal of the state: those of B along its gradient
+  identity,  ///< c_mn I: those of energies that are quadratic in r
+};
 
 /// The derivatives D_1 … D_22 that make a jet.
 inline constexpr int kJet = 5;
@@ -69,11 +81,11 @@ class JetTangent {
   Index size_;
 };
 
-/// Hessians of a block's density that are c_mn n nᵀ, n being the normal at each sample: their c_mn
-/// for m ≤ n, of the derivatives that the density depends on; a view, terms add to it.
-class NormalTangent {
+/// The factors c_mn, m ≤ n, of a block's second derivatives of a shape that is not `blocks`, of the
+/// derivatives that the density depends on; a view, terms add to it.
+class TangentFactors {
  public:
-  NormalTangent(double* data, Index stride, const JetTangent::Places& places, Index size)
+  TangentFactors(double* data, Index stride, const JetTangent::Places& places, Index size)
       : data_(data), stride_(stride), places_(&places), size_(size) {}
 
   [[nodiscard]] Index size() const { return size_; }

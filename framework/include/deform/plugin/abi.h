@@ -10,7 +10,7 @@
 namespace deform {
 
 /// Raised whenever a public header changes so that older plugins would misbehave.
-inline constexpr std::uint32_t kApiNumber = 16;
+inline constexpr std::uint32_t kApiNumber = 17;
 
 /// Plain numbers and characters only: readable whatever the plugin was built with.
 struct AbiTag {

@@ -137,10 +137,8 @@ const JetAssembler::Term* JetAssembler::find(std::size_t number) const {
 
 Geometry::Detail JetAssembler::detail() const {
   const auto of = [](const JetTerm& term) {
-    const bool has_normals = term.has_normal_tangent(Tangent::projected) ||
-                             term.has_normal_tangent(Tangent::gauss_newton) ||
-                             term.has_normal_tangent(Tangent::exact) ||
-                             term.has_normal_tangent(Tangent::mixed);
+    const bool has_normals = std::ranges::any_of(
+        kTangents, [&](Tangent kind) { return term.tangent_shape(kind) == TangentShape::normal; });
     return std::max(term.reads(), has_normals ? Geometry::Detail::first : Geometry::Detail::none);
   };
   auto most = Geometry::Detail::none;

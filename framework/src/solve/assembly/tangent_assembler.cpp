@@ -11,8 +11,9 @@ namespace deform {
 
 bool TangentAssembler::has_tangent(const JetAssembler::Term& term) {
   return term.traits.potential || !term.traits.strong_form ||
-         guarded(term.origin, "saying what its tangent is",
-                 [&] { return term.term->has_normal_tangent(Tangent::projected); });
+         guarded(term.origin, "saying what its tangent is", [&] {
+           return term.term->tangent_shape(Tangent::projected);
+         }) != TangentShape::blocks;
 }
 
 Tangent TangentAssembler::kind_of(const JetAssembler::Term& term, Tangent kind) {
@@ -49,28 +50,33 @@ bool TangentAssembler::depends(const GatherTable::Coefficients& l) const {
                              [&](int m) { return l[static_cast<std::size_t>(m)] != 0; });
 }
 
-bool TangentAssembler::is_normal(Tangent kind) const {
-  return std::ranges::all_of(with_tangent_, [&](const JetAssembler::Term* t) {
+TangentShape TangentAssembler::shape(Tangent kind) const {
+  const auto of = [&](const JetAssembler::Term* t) {
     return guarded(t->origin, "saying what its tangent is",
-                   [&] { return t->term->has_normal_tangent(kind_of(*t, kind)); });
-  });
+                   [&] { return t->term->tangent_shape(kind_of(*t, kind)); });
+  };
+  if (with_tangent_.empty()) return TangentShape::identity;
+  const TangentShape one = of(with_tangent_.front());
+  return std::ranges::all_of(with_tangent_, [&](const auto* t) { return of(t) == one; })
+             ? one
+             : TangentShape::blocks;
 }
 
 void TangentAssembler::evaluate_term(const JetAssembler::Term& term, const SampleBlock& block,
                                      Tangent kind, const Numbers& to) const {
   guarded(term.origin, "computing its tangent", [&] {
     const Tangent own = kind_of(term, kind);
-    if (to.along_normal)
-      term.term->normal_tangent(block, own, NormalTangent(to.h, to.stride, places_, to.size));
-    else
+    if (to.shape == TangentShape::blocks)
       term.term->tangent(block, own, JetTangent(to.h, to.stride, places_, to.size));
+    else
+      term.term->tangent_factors(block, own, TangentFactors(to.h, to.stride, places_, to.size));
   });
 }
 
 void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
                                 const std::vector<double>& factors, Index first, Index size,
-                                bool along_normal, double* h, Index stride) const {
-  const Index count = along_normal ? blocks() : numbers();
+                                TangentShape shape, double* h, Index stride) const {
+  const Index count = shape == TangentShape::blocks ? numbers() : blocks();
   std::fill_n(h, count * stride, 0.0);
   thread_local std::vector<double> one;  // of a term that is multiplied
   for (const JetAssembler::Term* const term : with_tangent_) {
@@ -79,16 +85,16 @@ void TangentAssembler::evaluate(const Geometries& geometries, Tangent kind,
     if (factor == 0) continue;
     const SampleBlock block = terms_->sample_block(geometries, t, first, size);
     if (factor == 1) {
-      evaluate_term(t, block, kind, {h, stride, size, along_normal});
+      evaluate_term(t, block, kind, {h, stride, size, shape});
       continue;
     }
     one.assign(static_cast<std::size_t>(size * count), 0.0);
-    evaluate_term(t, block, kind, {one.data(), size, size, along_normal});
+    evaluate_term(t, block, kind, {one.data(), size, size, shape});
     for (Index q = 0; q < count; ++q)
       for (Index s = 0; s < size; ++s)
         h[q * stride + s] += factor * one[static_cast<std::size_t>(q * size + s)];
   }
-  if (!along_normal) return;
+  if (shape != TangentShape::normal) return;
   const Geometry& now = geometries.mean != nullptr ? *geometries.mean : geometries.now;
   const ConstVectors n = now.block(first, size).n();
   std::copy_n(n.x, size, h + count * stride);

@@ -18,7 +18,7 @@ class TangentAssembler {
  public:
   explicit TangentAssembler(const JetAssembler& terms);
   /// Stresses of the strong form are derivatives of fields, which a sample alone does not know:
-  /// such terms have a tangent where they say how it is along the normal.
+  /// such terms have a tangent where it has a special shape.
   [[nodiscard]] static bool has_tangent(const JetAssembler::Term& term);
 
   /// Calls visit(a, b), a ≤ b, for every block that the tangent may have.
@@ -29,14 +29,14 @@ class TangentAssembler {
   [[nodiscard]] Index blocks() const { return static_cast<Index>(blocks_.size()); }
   /// How many numbers a sample has, at most: 9 for each of these.
   [[nodiscard]] Index numbers() const { return blocks() * 9; }
-  /// Whether the terms' tangents of a kind are all along the normal.
-  [[nodiscard]] bool is_normal(Tangent kind) const;
+  /// What the terms' tangents of a kind are, all of them.
+  [[nodiscard]] TangentShape shape(Tangent kind) const;
   /// Second derivatives of all terms' densities at samples first … first+size−1, number q of the
   /// k-th of them at h[q·stride + k], all numbers() · stride of which are the caller's; `factors`:
-  /// what each term of the scene is multiplied by, 1 where empty. `along_normal`: as SampleNumbers
-  /// has them then.
+  /// what each term of the scene is multiplied by, 1 where empty. `shape`: as SampleNumbers has
+  /// them then.
   void evaluate(const Geometries& geometries, Tangent kind, const std::vector<double>& factors,
-                Index first, Index size, bool along_normal, double* h, Index stride) const;
+                Index first, Index size, TangentShape shape, double* h, Index stride) const;
 
   /// Whether rows a and a + 1 of the matrix are made alike, of samples counted on by one.
   [[nodiscard]] bool goes_on(Index a) const;
@@ -49,7 +49,7 @@ class TangentAssembler {
   struct Numbers {
     double* h;
     Index stride, size;
-    bool along_normal;
+    TangentShape shape;
   };
   void evaluate_term(const JetAssembler::Term& term, const SampleBlock& block, Tangent kind,
                      const Numbers& to) const;

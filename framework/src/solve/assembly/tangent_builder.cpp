@@ -50,7 +50,7 @@ bool TangentBuilder::make_group(const TangentSchedule::Group& group, const TakeR
   bool is_finite = true;
   for (std::size_t set = 0; set < sets_.size(); ++set) {
     const TangentPlan& plan = schedule_->plan(group.plan + set);
-    const SampleNumbers numbers{buffers.h.data(), places, along_normal_[set], sets_[set].blocks()};
+    const SampleNumbers numbers{buffers.h.data(), places, shapes_[set], sets_[set].blocks()};
     // Of the last set, to whose rows those before are added.
     is_finite = group.size == 1 ? make_row(plan, numbers, set > 0, room, rows)
                                 : deform::make_rows(plan, numbers, set > 0, group.size, room, rows);
@@ -69,7 +69,7 @@ bool TangentBuilder::make_segment(const TangentSchedule::Segment& segment, const
     for (std::size_t s = at.span; s < at.span_end; ++s) {
       const TangentSchedule::Span& span = schedule.spans()[s];
       sets_[span.set].evaluate(wanted.geometries[span.set], wanted.kind, wanted.factors, span.first,
-                               span.size, along_normal_[span.set], buffers.h.data() + span.place,
+                               span.size, shapes_[span.set], buffers.h.data() + span.place,
                                kSampleLanes);
     }
     for (std::size_t g = at.group; g < at.group_end; ++g)
@@ -80,8 +80,8 @@ bool TangentBuilder::make_segment(const TangentSchedule::Segment& segment, const
 
 bool TangentBuilder::make_rows(const Wanted& wanted, const TakeRows& take) {
   prepare();
-  along_normal_.clear();
-  for (const TangentAssembler& set : sets_) along_normal_.push_back(set.is_normal(wanted.kind));
+  shapes_.clear();
+  for (const TangentAssembler& set : sets_) shapes_.push_back(set.shape(wanted.kind));
   const std::vector<TangentSchedule::Segment>& segments = schedule_->segments();
   std::atomic<bool> is_finite = true;
   parallel_blocks(static_cast<Index>(segments.size()), 1, [&](Index i, Index /*one*/) {

@@ -51,7 +51,7 @@ class TangentBuilder {
   std::vector<TangentAssembler> sets_;
   BlockMatrix pattern_;
   std::optional<TangentSchedule> schedule_;
-  std::vector<bool> along_normal_;  // of each set, what is made now
+  std::vector<TangentShape> shapes_;  // of each set, what is made now
 };
 
 }  // namespace deform

@@ -84,11 +84,11 @@ template <class Number>
   }
 }
 
-/// Parts of multiples of n nᵀ, one number each; behind them the six of n nᵀ of each sample.
+/// Parts of multiples of n nᵀ or I, one number each.
 template <class Number>
-[[gnu::always_inline]] inline void make_normal_parts(const TangentPlan& plan,
-                                                     const SampleNumbers& of, Index lane,
-                                                     double* parts) {
+[[gnu::always_inline]] inline double* make_factor_parts(const TangentPlan& plan,
+                                                        const SampleNumbers& of, Index lane,
+                                                        double* parts) {
   const TangentPlan::Left* left = plan.left.data();
   for (const TangentPlan::Part *p = plan.parts.data(), *end = p + plan.parts.size(); p != end;
        ++p) {
@@ -99,6 +99,13 @@ template <class Number>
     store(sum, parts);
     parts += kLanes<Number>;
   }
+  return parts;
+}
+
+/// Behind these the six of n nᵀ of each sample.
+template <class Number>
+[[gnu::always_inline]] inline void make_normals(const TangentPlan& plan, const SampleNumbers& of,
+                                                Index lane, double* parts) {
   for (std::size_t e = 0; e < plan.samples; ++e) {
     const double* const n = of.h + of.places[e] + lane + of.blocks * kSampleLanes;
     const auto x = load<Number>(n), y = load<Number>(n + kSampleLanes),
@@ -136,18 +143,44 @@ template <class Number>
   }
 }
 
+/// Blocks that are multiples of I.
+template <class Number>
+[[gnu::always_inline]] inline void make_identity_blocks(const TangentPlan& plan,
+                                                        const double* parts, bool adds,
+                                                        double* rows, Index stride, Number& zeros) {
+  const TangentPlan::Right* right = plan.right.data();
+  for (const std::uint32_t end : plan.right_end) {
+    Number sum{};
+    for (const TangentPlan::Right* const last = plan.right.data() + end; right != last; ++right)
+      sum += right->d * load<Number>(parts + right->part * kLanes<Number>);
+    zeros += 0.0 * sum;
+    for (int k = 0; k < 9; ++k, rows += stride) {
+      Number whole{};
+      if (adds) whole = load<Number>(rows);
+      if (k % 4 == 0) whole += sum;
+      if (adds) zeros += 0.0 * whole;
+      store(whole, rows);
+    }
+  }
+}
+
 /// Rows from a lane on; returns what is 0 for each that is finite.
 template <class Number>
 [[gnu::always_inline]] inline Number make(const TangentPlan& plan, const SampleNumbers& of,
                                           bool adds, Index lane, double* room, double* rows,
                                           Index stride) {
   Number zeros{};
-  if (of.are_normal) {
-    make_normal_parts<Number>(plan, of, lane, room);
-    make_normal_blocks<Number>(plan, room, adds, rows + lane, stride, zeros);
-  } else {
+  if (of.shape == TangentShape::blocks) {
     make_parts<Number>(plan, of.h + lane, of.places, room);
     make_blocks<Number>(plan, room, adds, rows + lane, stride, zeros);
+    return zeros;
+  }
+  double* const behind = make_factor_parts<Number>(plan, of, lane, room);
+  if (of.shape == TangentShape::identity) {
+    make_identity_blocks<Number>(plan, room, adds, rows + lane, stride, zeros);
+  } else {
+    make_normals<Number>(plan, of, lane, behind);
+    make_normal_blocks<Number>(plan, room, adds, rows + lane, stride, zeros);
   }
   return zeros;
 }

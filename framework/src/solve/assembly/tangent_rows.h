@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "deform/model/tangent.h"
 #include "deform/types.h"
 
 namespace deform {
@@ -44,12 +45,12 @@ inline constexpr Index kRowLanes = 32;
 /// some room.
 inline constexpr Index kSampleLanes = kRowLanes + 8;
 
-/// What sample's numbers are: nine for each block of second derivatives; or one, c_mn, and after
-/// all of these the three of the normal n, the blocks being c_mn n nᵀ.
+/// What a sample's numbers are: nine for each block of second derivatives; or one, c_mn, and, where
+/// the blocks are c_mn n nᵀ, after all of these the three of the normal n.
 struct SampleNumbers {
   const double* h;
   const std::uint32_t* places;  ///< of a plan's samples
-  bool are_normal;
+  TangentShape shape;
   Index blocks;  ///< a sample
 };
 /// Numbers that making rows needs room for.

@@ -12,7 +12,8 @@
 namespace deform {
 namespace {
 
-ReducedMatrix reduced_matrix(const Unknowns& unknowns, const BlockMatrix& pattern) {
+ReducedMatrix reduced_matrix(const Unknowns& unknowns, const BlockMatrix& pattern,
+                             TangentSolver::Entries entries) {
   ReducedMatrix::Rows rows;
   for (Index a = 0; a < pattern.nodes; ++a)
     for (int c = 0; c < 3; ++c) rows.push_back(unknowns.row({a, c}));
@@ -24,6 +25,9 @@ ReducedMatrix reduced_matrix(const Unknowns& unknowns, const BlockMatrix& patter
                 for (Index i = 0; i < 3; ++i)
                   for (Index j = 0; j < 3; ++j) {
                     const Index place = 9 * Index{p} + 3 * i + j;
+                    if (entries == TangentSolver::Entries::nonzero &&
+                        pattern.value[static_cast<std::size_t>(place)] == 0)
+                      continue;
                     visit(3 * a + i, 3 * b + j, place);
                     if (a != b) visit(3 * b + j, 3 * a + i, place);
                   }
@@ -47,12 +51,16 @@ const char* why_left(Outcome outcome) {
 
 TangentSolver::TangentSolver(const ReductionMap& map, const BlockMatrix& pattern,
                              const std::vector<Freedom>& held, const SolverSource& solvers,
-                             Whole whole)
-    : unknowns_(map, held), pattern_(&pattern), source_(solvers), whole_(std::move(whole)) {}
+                             Whole whole, Entries entries)
+    : unknowns_(map, held),
+      pattern_(&pattern),
+      entries_(entries),
+      source_(solvers),
+      whole_(std::move(whole)) {}
 
 const SparseMatrix& TangentSolver::reduced(const NodeValues& d) {
   const Span span("matrix filling");
-  if (!matrix_) matrix_.emplace(reduced_matrix(unknowns_, *pattern_));
+  if (!matrix_) matrix_.emplace(reduced_matrix(unknowns_, *pattern_, entries_));
   matrix_->fill(whole_().value, d);
   return matrix_->matrix();
 }

@@ -21,9 +21,14 @@ class TangentSolver {
  public:
   /// Gives K where a factorisation needs it.
   using Whole = std::function<const BlockMatrix&()>;
+  /// What a factorisation has room for: all entries of the pattern's blocks; or, where K never
+  /// changes, those that are not 0, which for multiples of the identity is a third, and far less of
+  /// what they fill in.
+  enum class Entries : std::uint8_t { all, nonzero };
   /// `held`: unknowns that stay where they are, so that the surface does not move as a rigid body.
   TangentSolver(const ReductionMap& map, const BlockMatrix& pattern,
-                const std::vector<Freedom>& held, const SolverSource& solvers, Whole whole);
+                const std::vector<Freedom>& held, const SolverSource& solvers, Whole whole,
+                Entries entries = Entries::all);
 
   [[nodiscard]] const Unknowns& unknowns() const { return unknowns_; }
 
@@ -64,6 +69,7 @@ class TangentSolver {
 
   Unknowns unknowns_;
   const BlockMatrix* pattern_;
+  Entries entries_;
   SolverSource source_;
   std::optional<ReducedMatrix> matrix_;  // made when first needed, as all that follows
   std::optional<SolverQueue> solvers_;

@@ -94,8 +94,9 @@ RotationStrainStep::RotationStrainStep(const Surface& surface, const NodeVectors
                                        const SolverSource& solvers)
     : links_(links_of(surface.faces(), rest)),
       laplacian_(pattern_of(links_, map.reduction().nodes())),
-      solver_(map, laplacian_, held, solvers,
-              [this]() -> const BlockMatrix& { return laplacian_; }) {
+      solver_(
+          map, laplacian_, held, solvers, [this]() -> const BlockMatrix& { return laplacian_; },
+          TangentSolver::Entries::nonzero) {
   for (const auto& [a, b, weight] : links_) {
     const Eigen::Matrix3d block = weight * Eigen::Matrix3d::Identity();
     laplacian_.block(a, a) += block;
