@@ -22,6 +22,7 @@
 #include "commit.h"
 #include "compare_command.h"
 #include "interrupt.h"
+#include "mesh_command.h"
 #include "plugin_command.h"
 #include "plugins_command.h"
 #include "progress.h"
@@ -51,7 +52,8 @@ struct Arguments {
   std::string which_plugin;
   NewPlugin new_plugin;
   ContractOptions contract;
-  std::vector<std::filesystem::path> scenes;
+  std::vector<std::filesystem::path> scenes, meshes;
+  bool repairs = false;
   std::filesystem::path schema_folder;
   std::filesystem::path report_folder;
   bool report_png = false;
@@ -256,6 +258,18 @@ CLI::App& add_validate(CLI::App& app, Arguments& arguments) {
   return validate;
 }
 
+CLI::App& add_mesh(CLI::App& app, Arguments& arguments) {
+  CLI::App& mesh =
+      *app.add_subcommand("mesh", "Tell what the surface \"mesh\" sees in files; run nothing");
+  mesh.add_option("FILE", arguments.meshes, "meshes: .obj, .ply, .stl, .off, .gltf or .glb")
+      ->required()
+      ->type_name("")
+      ->check(named());
+  mesh.add_flag("--repair", arguments.repairs, "mend what can be mended, and say what was");
+  add_plugin_path(mesh, arguments);
+  return mesh;
+}
+
 CLI::App& add_report(CLI::App& app, Arguments& arguments) {
   CLI::App& report = *app.add_subcommand(
       "report", "Make report.html of a run or comparison directory again, from what is in it");
@@ -332,6 +346,7 @@ int execute(int argc, char** argv) {
   add_plugins(app, arguments);
   const CLI::App& plugin = add_plugin(app, arguments);
   const CLI::App& validate = add_validate(app, arguments);
+  const CLI::App& mesh = add_mesh(app, arguments);
   const CLI::App& report = add_report(app, arguments);
   const CLI::App& schema = add_schema(app, arguments);
   if (const std::string why = objection_to_command(app, argc, argv); !why.empty()) {
@@ -359,6 +374,7 @@ int execute(int argc, char** argv) {
   if (plugin.got_subcommand("check")) return check_plugin(arguments.contract);
   if (report.parsed()) return write_reports(arguments.report_folder, arguments.report_png);
   const auto registry = std::make_shared<const PluginRegistry>(arguments.plugin_folders);
+  if (mesh.parsed()) return describe_meshes(arguments.meshes, arguments.repairs, *registry);
   if (validate.parsed()) return validate_scenes(arguments.scenes, registry);
   if (schema.parsed()) return write_schemas(*registry, arguments.schema_folder);
   if (compare.parsed()) {

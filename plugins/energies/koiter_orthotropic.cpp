@@ -123,6 +123,7 @@ class KoiterOrthotropic final : public CompoundTerm {
  public:
   KoiterOrthotropic(const Parameters& given, const Setup& setup) {
     const Parameters p = completed(given);
+    require_chart(setup.surface(), "a material with two directions");
     const double h = p.thickness;
     if (p.material != "none")
       mass_ = NodeValues::Constant(setup.surface().nodes(),

@@ -15,6 +15,12 @@ TIMEOUT = 300
 
 FAILED = 5
 
+# A curved piece of a surface, cut into triangles.
+N = 6
+CURVED = "".join(f"v {i / 5} {j / 5} {0.1 * (i * j + i * i) / 25}\n" for j in range(N) for i in range(N))
+CURVED += "".join(f"f {a} {a + 1} {a + N + 1}\nf {a} {a + N + 1} {a + N}\n"
+                  for j in range(N - 1) for a in range(N * j + 1, N * j + N))
+
 LEFT = {"boundary": "left"}
 # What a scene must say of those plugins that have required parameters, and further ways to use others.
 PARAMETERS = {
@@ -36,6 +42,7 @@ PARAMETERS = {
                                       {"plugin": "gauss", "delta": 0})],
     "energy/edge_springs": [{}, {"diagonals": False}, {"stiffness": {"formula": "1 + a1"}}],
     "energy/koiter": [{"young": 1e4, "poisson": 0.3, "thickness": 1e-2},
+                      {"young": 1e4, "poisson": 0.3, "thickness": 1e-2, "bending": "isometric"},
                       {"young": {"formula": "1e4*(1+a1)"}, "poisson": 0, "thickness": 1e-2}],
     "energy/koiter_orthotropic": [{"young_1": 2e4, "young_2": 1e4, "shear": 4e3, "poisson": 0.3,
                                    "thickness": 1e-2}, {"material": "paper", "thickness": 1e-6}],
@@ -62,6 +69,10 @@ def parameters_of(library, folder):
     plugin = library.stem.replace("-", "/", 1)
     if plugin == "shape/file":  # is checked with grids of 9 × 7 nodes and of 17 × 13
         return []
+    if plugin == "surface/mesh":
+        file = Path(folder) / "curved.obj"
+        file.write_text(CURVED)
+        return [{"path": str(file)}]
     return PARAMETERS.get(plugin, [{}])
 
 

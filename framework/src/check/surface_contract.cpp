@@ -30,6 +30,21 @@ double operator_error(const Surface& surface, const SampleSet& samples, const Fu
   return worst;
 }
 
+/// Charts of single samples are orthonormal at rest.
+void check_charts(const SampleSet& samples, const NodeVectors& rest, SampleRole role,
+                  Checks& checks) {
+  Geometry geometry(samples);
+  geometry.compute(samples, rest, Geometry::Detail::metric);
+  double worst = 0;
+  for (const Pair ij : kPairs)
+    for (const double G : geometry.all().G(ij))
+      worst = std::max(worst, std::abs(G - (ij == Pair::p12 ? 0 : 1)));
+  if (role == SampleRole::membrane)
+    checks.below("operators: the metric at rest is 1", worst, 1e-9);
+  else
+    checks.report("operators: what the metric at rest differs from 1 by, for bending", worst, "");
+}
+
 void check_operators(const Surface& surface, SampleRole role, Checks& checks) {
   const SampleSet& samples = surface.samples(role);
   const auto one = [](double, double) { return 1.0; };
@@ -41,6 +56,7 @@ void check_operators(const Surface& surface, SampleRole role, Checks& checks) {
                          operator_error(surface, samples, one, Derivative::d12, 0),
                          operator_error(surface, samples, one, Derivative::d22, 0)}),
                1e-8);
+  if (!surface.has_chart()) return check_charts(samples, surface.rest(), role, checks);
   if (surface.period() != Vec2::Zero()) return;  // a1 and a2 jump where sides are joined
   checks.below("operators: first derivatives of a1 and a2 are exact",
                std::max({operator_error(surface, samples, a1, Derivative::d1, 1),

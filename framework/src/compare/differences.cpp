@@ -22,7 +22,12 @@ class SurfacePair {
         to_run_(reference.mesh(), run.mesh().parameters),
         to_reference_(run.mesh(), reference.mesh().parameters),
         run_faces_(triangles_of(run.mesh().faces)),
-        reference_faces_(triangles_of(reference.mesh().faces)) {}
+        reference_faces_(triangles_of(reference.mesh().faces)) {
+    if (!has_chart(run.mesh()) && run.mesh().faces.nodes != reference.mesh().faces.nodes)
+      throw InputError(
+          "the surfaces are different meshes without parameters, by which a node of one could be "
+          "found on the other, so the two cannot be compared");
+  }
 
   [[nodiscard]] Difference compare(std::size_t frame, std::size_t reference_frame) const {
     const NodeVectors r = run_.positions(frame), s = reference_.positions(reference_frame);

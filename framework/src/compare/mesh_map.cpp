@@ -91,9 +91,18 @@ class ParameterPlane {
 
 }  // namespace
 
+bool has_chart(const TrajectoryMesh& mesh) {
+  return mesh.parameters.rows() < 2 ||
+         mesh.parameters.colwise().maxCoeff() != mesh.parameters.colwise().minCoeff();
+}
+
 MeshMap::MeshMap(const TrajectoryMesh& mesh, const Eigen::MatrixX2d& places) {
   identity_ = mesh.parameters.rows() == places.rows() && mesh.parameters == places;
   if (identity_) return;
+  if (!has_chart(mesh))
+    throw InputError(
+        "the surfaces have different nodes and no parameters, by which one could be found on the "
+        "other, so the two cannot be compared");
   const ParameterPlane plane(mesh);
   rows_.reserve(static_cast<std::size_t>(places.rows()));
   for (Index i = 0; i < places.rows(); ++i) {

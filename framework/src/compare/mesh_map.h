@@ -9,6 +9,9 @@
 
 namespace deform {
 
+/// Whether nodes have parameters that tell them apart (Surface::has_chart).
+[[nodiscard]] bool has_chart(const TrajectoryMesh& mesh);
+
 /// Interpolates what is given at the nodes of one mesh (linearly within the triangles of its faces
 /// in the parameter plane) at given parameters. Nodes of the mesh itself are hit exactly, with no
 /// arithmetic.

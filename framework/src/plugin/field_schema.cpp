@@ -88,7 +88,7 @@ class FieldSchema {
     return schema;
   }
   static Json selector() {
-    const Json point = list(type("number"), 2);
+    const Json point = list(type("number"), 2), place = list(type("number"), 3);
     Json radius = type("number");
     radius["minimum"] = 0;
     const auto one_or_several = [](const Json& one) {
@@ -101,7 +101,9 @@ class FieldSchema {
     node["minimum"] = 0;
     return any_of({object({{"centre", point}, {"radius", radius}}),
                    object({{"box", list(point, 2)}}), object({{"boundary", names}}),
-                   object({{"corners", names}}), object({{"node", one_or_several(node)}})});
+                   object({{"corners", names}}), object({{"node", one_or_several(node)}}),
+                   object({{"sphere", place}, {"radius", radius}}),
+                   object({{"space", list(place, 2)}}), object({{"nearest", place}})});
   }
 
   template <class Number>

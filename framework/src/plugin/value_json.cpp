@@ -103,6 +103,14 @@ struct Writer {
         return Json{{"boundary", one_or_list(selector.names)}};
       case NodeSelector::Form::corners:
         return Json{{"corners", one_or_list(selector.names)}};
+      case NodeSelector::Form::sphere:
+        return Json{{"sphere", json_of(selector.place)}, {"radius", selector.radius}};
+      case NodeSelector::Form::space: {
+        const Json corners = Json::array({json_of(selector.place), json_of(selector.opposite)});
+        return Json{{"space", corners}};
+      }
+      case NodeSelector::Form::nearest:
+        return Json{{"nearest", json_of(selector.place)}};
       case NodeSelector::Form::node:
         break;
     }

@@ -7,7 +7,10 @@ namespace {
 
 constexpr const char* kExpected =
     "{\"centre\": [a1, a2], \"radius\": number}, {\"box\": [[a1, a2], [b1, b2]]}, "
-    "{\"boundary\": names}, {\"corners\": names} or {\"node\": numbers}, or a list of such objects";
+    "{\"boundary\": names}, {\"corners\": names}, {\"node\": numbers}, {\"sphere\": [x, y, z], "
+    "\"radius\": number}, {\"space\": [[x, y, z], [x, y, z]]} or {\"nearest\": [x, y, z]}, or a "
+    "list "
+    "of such objects";
 
 using Form = NodeSelector::Form;
 
@@ -23,7 +26,12 @@ class SelectorReader {
 
   std::optional<NodeSelector> read(const Json& json, const ValuePlace& place) {
     if (json.is_object()) {
+      if (json.contains("sphere")) return read_sphere(json, place);
       if (json.contains("centre") || json.contains("radius")) return read_centre(json, place);
+      if (json.contains("space"))
+        return read_alone(json, place, "space", &SelectorReader::read_space);
+      if (json.contains("nearest"))
+        return read_alone(json, place, "nearest", &SelectorReader::read_nearest);
       if (json.contains("box")) return read_alone(json, place, "box", &SelectorReader::read_box);
       if (json.contains("boundary")) {
         return read_alone(json, place, "boundary", &SelectorReader::read_boundary);
@@ -46,14 +54,55 @@ class SelectorReader {
     return selector;
   }
 
-  std::optional<NodeSelector> read_centre(const Json& json, const ValuePlace& place) {
-    const std::vector<std::string> keys{"centre", "radius"};
+  /// Whether an object has two keys and no other.
+  bool is_pair(const Json& json, const ValuePlace& place, const std::vector<std::string>& keys) {
     note_unknown_keys(json, keys, place.pointer, "this selector", reader_.problems());
     for (const std::string& key : keys) {
-      if (!json.contains(key)) {
-        return reader_.reject(json, place, "a \"" + key + "\" with the other");
-      }
+      if (json.contains(key)) continue;
+      reader_.reject(json, place, "a \"" + key + "\" with the other");
+      return false;
     }
+    return true;
+  }
+
+  std::optional<NodeSelector> read_sphere(const Json& json, const ValuePlace& place) {
+    if (!is_pair(json, place, {"sphere", "radius"})) return std::nullopt;
+    const auto centre = read_place(json["sphere"], place.key("sphere"));
+    const auto radius = reader_.read(json["radius"], place.key("radius").by(distance_), 0.0);
+    if (!centre || !radius) return std::nullopt;
+    NodeSelector selector{.form = Form::sphere};
+    selector.place = *centre;
+    selector.radius = *radius;
+    return selector;
+  }
+
+  std::optional<NodeSelector> read_space(const Json& json, const ValuePlace& place) {
+    const std::string expected = "[[x, y, z], [x, y, z]], the lower corner first [m]";
+    if (!json.is_array() || json.size() != 2) return reader_.reject(json, place, expected);
+    const auto lower = read_place(json[0], place.item(0)),
+               upper = read_place(json[1], place.item(1));
+    if (!lower || !upper) return std::nullopt;
+    if ((lower->array() > upper->array()).any()) return reader_.reject(json, place, expected);
+    NodeSelector selector{.form = Form::space};
+    selector.place = *lower;
+    selector.opposite = *upper;
+    return selector;
+  }
+
+  std::optional<NodeSelector> read_nearest(const Json& json, const ValuePlace& place) {
+    const auto point = read_place(json, place);
+    if (!point) return std::nullopt;
+    NodeSelector selector{.form = Form::nearest};
+    selector.place = *point;
+    return selector;
+  }
+
+  std::optional<Vec3> read_place(const Json& json, const ValuePlace& place) {
+    return reader_.read(json, place.by(length_), Vec3(Vec3::Zero()));
+  }
+
+  std::optional<NodeSelector> read_centre(const Json& json, const ValuePlace& place) {
+    if (!is_pair(json, place, {"centre", "radius"})) return std::nullopt;
     const auto centre = reader_.read(json["centre"], place.key("centre").by(length_), Vec2(0, 0));
     const auto radius = reader_.read(json["radius"], place.key("radius").by(distance_), 0.0);
     if (!centre || !radius) return std::nullopt;

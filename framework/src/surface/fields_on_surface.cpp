@@ -20,10 +20,12 @@ ParameterRectangle parameter_rectangle(const Surface& surface) {
 }
 
 NodeValues Field::at_nodes(const Surface& surface) const {
+  if (!is_constant()) require_chart(surface, "a formula or map (" + source() + ")");
   return values(surface.parameters(), parameter_rectangle(surface));
 }
 
 NodeValues Field::at_samples(const Surface& surface, const SampleSet& samples) const {
+  if (!is_constant()) require_chart(surface, "a formula or map (" + source() + ")");
   const ParameterRectangle within = parameter_rectangle(surface);
   NodeValues values(samples.size());
   for (Index s = 0; s < values.size(); ++s)
@@ -34,7 +36,13 @@ NodeValues Field::at_samples(const Surface& surface, const SampleSet& samples) c
 WeightsAtSamples PairWeightsField::at_samples(const Surface& surface,
                                               const SampleSet& samples) const {
   const ParameterRectangle within = parameter_rectangle(surface);
-  if (is_constant()) return WeightsAtSamples({(*this)(within.lower, within)});
+  if (!is_constant()) require_chart(surface, "a formula or map");
+  if (is_constant()) {
+    const PairWeights weights = (*this)(within.lower, within);
+    if (weights.w[0] != weights.w[1] || weights.w[0] != weights.w[2])
+      require_chart(surface, "a weight that differs between 11, 12 and 22");
+    return WeightsAtSamples({weights});
+  }
   std::vector<PairWeights> weights;
   weights.reserve(static_cast<std::size_t>(samples.size()));
   for (const Vec2& parameter : samples.parameters()) weights.push_back((*this)(parameter, within));

@@ -102,6 +102,10 @@ NodeValues Surface::areas_within(const std::vector<ParameterRectangle>& rectangl
 
 NodeValues select_areas(const Surface& surface, const NodeSelection& where) {
   std::vector<ParameterRectangle> patches, lines;
+  if (!surface.has_chart() && std::ranges::any_of(where.selectors, [](const NodeSelector& s) {
+        return rectangle_of(s).has_value();
+      }))
+    (void)select_nodes(surface, where);  // says why not
   NodeSelection named{.selectors = {}, .pointer = where.pointer};
   for (const NodeSelector& selector : where.selectors) {
     if (const auto rectangle = rectangle_of(selector))

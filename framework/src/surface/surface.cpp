@@ -37,6 +37,22 @@ class Selection {
                          [this](const std::string& name) { return surface_.corner(name); });
       case NodeSelector::Form::node:
         return add_numbers(selector.numbers);
+      case NodeSelector::Form::sphere:
+        return add_where(
+            [&](const Vec3& r) { return (r - selector.place).norm() <= selector.radius; });
+      case NodeSelector::Form::space:
+        return add_where([&](const Vec3& r) {
+          return (r.array() >= selector.place.array()).all() &&
+                 (r.array() <= selector.opposite.array()).all();
+        });
+      case NodeSelector::Form::nearest: {
+        Index nearest = 0;
+        (surface_.rest().rowwise() - selector.place.transpose())
+            .rowwise()
+            .squaredNorm()
+            .minCoeff(&nearest);
+        return choose(nearest);
+      }
     }
   }
 
@@ -55,7 +71,19 @@ class Selection {
  private:
   void choose(Index node) { chosen_[static_cast<std::size_t>(node)] = true; }
 
+  template <class Predicate>
+  void add_where(const Predicate& is_in) {
+    for (Index node = 0; node < surface_.nodes(); ++node)
+      if (is_in(Vec3(surface_.rest().row(node)))) choose(node);
+  }
+
   void add_within(const ParameterRectangle& rectangle) {
+    if (!surface_.has_chart()) {
+      problems_.push_back({pointer_,
+                           "selects by parameters, which this surface does not have; expected "
+                           "\"space\", \"sphere\", \"nearest\", \"boundary\" or \"node\""});
+      return;
+    }
     const Eigen::MatrixX2d& a = surface_.parameters();
     const Vec2 period = surface_.period();
     for (Index node = 0; node < a.rows(); ++node)
@@ -113,8 +141,14 @@ class Selection {
     const auto& a = surface_.parameters();
     const Eigen::RowVector2d lower = a.colwise().minCoeff();
     const Eigen::RowVector2d upper = a.colwise().maxCoeff();
-    return fmt::format("whose parameters are [{:.6g}, {:.6g}] to [{:.6g}, {:.6g}]", lower[0],
-                       lower[1], upper[0], upper[1]);
+    const Eigen::RowVector3d low = surface_.rest().colwise().minCoeff();
+    const Eigen::RowVector3d high = surface_.rest().colwise().maxCoeff();
+    const std::string place =
+        fmt::format("[{:.6g}, {:.6g}, {:.6g}] to [{:.6g}, {:.6g}, {:.6g}] at rest", low[0], low[1],
+                    low[2], high[0], high[1], high[2]);
+    if (!surface_.has_chart()) return "which is within " + place;
+    return fmt::format("whose parameters are [{:.6g}, {:.6g}] to [{:.6g}, {:.6g}]; it is within {}",
+                       lower[0], lower[1], upper[0], upper[1], place);
   }
 
   const Surface& surface_;
@@ -127,6 +161,13 @@ class Selection {
 
 Surface::~Surface() = default;
 std::vector<ScalarUnknown> Surface::scalars() const { return {}; }
+
+void require_chart(const Surface& surface, const std::string& what) {
+  if (!surface.has_chart())
+    throw InputError(what +
+                     " needs parameters a1 and a2, which this surface does not have: each of its "
+                     "samples has directions of its own");
+}
 
 std::vector<Index> select_nodes(const Surface& surface, const NodeSelection& where) {
   Selection selection(surface, where.pointer);

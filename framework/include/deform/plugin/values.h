@@ -42,9 +42,10 @@ struct DEFORM_API TimeProfile {
 /// The first of ascending times that is later than `after` [s]; infinite where there is none.
 [[nodiscard]] DEFORM_API double first_after(const std::vector<double>& times, double after);
 
-/// One way to select nodes by their parameters (a1, a2) [m].
+/// One way to select nodes: by their parameters (a1, a2) [m], by their place at rest [m], by name
+/// or by number.
 struct NodeSelector {
-  enum class Form : std::uint8_t { centre, box, boundary, corners, node };
+  enum class Form : std::uint8_t { centre, box, boundary, corners, node, sphere, space, nearest };
   Form form = Form::node;
   Vec2 centre = Vec2::Zero();  ///< centre: maximum norm …
   double radius = 0;           ///< … at most this [m]
@@ -52,6 +53,9 @@ struct NodeSelector {
   Vec2 upper = Vec2::Zero();
   std::vector<std::string> names;     ///< boundary or corners: what the surface calls them
   std::vector<std::int64_t> numbers;  ///< node: numbers
+  Vec3 place = Vec3::Zero();     ///< of the rest surface: sphere's centre (with `radius`), lower
+                                 ///< corner of space's box, what the nearest node is near to
+  Vec3 opposite = Vec3::Zero();  ///< upper corner of space's box
 };
 /// A union of selectors.
 struct NodeSelection {

@@ -51,6 +51,10 @@ class DEFORM_API Surface : public Plugin {
   ~Surface() override;
 
   [[nodiscard]] virtual Index nodes() const = 0;
+  /// Whether the parameters are coordinates of the surface as a whole. Where they are not, each
+  /// sample has a chart of its own, orthonormal at rest, `parameters` mean nothing, and what needs
+  /// them is refused: selections by them, formulas and maps, weights that differ by direction.
+  [[nodiscard]] virtual bool has_chart() const { return true; }
   /// (N × 2) parameters (a1, a2) of the nodes [m].
   [[nodiscard]] virtual const Eigen::MatrixX2d& parameters() const = 0;
   /// Length [m] after which a1 and a2 come round again on joined sides; 0 on open ones.
@@ -103,8 +107,11 @@ class DEFORM_API Surface : public Plugin {
   }
 };
 
-/// Nodes that a selection takes, ascending, each once; throws InputError when none, or a name is
-/// unknown.
+/// Throws InputError unless a surface has a chart; `what` needs one.
+DEFORM_API void require_chart(const Surface& surface, const std::string& what);
+
+/// Nodes that a selection takes, ascending, each once; throws InputError when none, a name is
+/// unknown, or parameters are asked for where there is no chart.
 [[nodiscard]] DEFORM_API std::vector<Index> select_nodes(const Surface& surface,
                                                          const NodeSelection& where);
 /// (N) parameter area that a selection takes of each node [m²]: of patches (`centre` with a radius,

@@ -173,8 +173,9 @@ bool Newton::Impl::leaves_little(const State& state, const Correction& correctio
 
 /// Whether the state that the last correction led to is a solution.
 bool Newton::Impl::ends(State& state) {
-  return f->is_fixed() ||
-         accepts(state, f->evaluate_residual(state), Objective::Ending::correction);
+  if (f->is_fixed()) return true;
+  const double norm = f->evaluate_residual(state);
+  return norm <= kCalm * f->scale() && accepts(state, norm, Objective::Ending::correction);
 }
 
 /// With another merit, from here.
