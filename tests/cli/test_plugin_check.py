@@ -42,7 +42,6 @@ PARAMETERS = {
                                       {"plugin": "gauss", "delta": 0})],
     "energy/edge_springs": [{}, {"diagonals": False}, {"stiffness": {"formula": "1 + a1"}}],
     "energy/koiter": [{"young": 1e4, "poisson": 0.3, "thickness": 1e-2},
-                      {"young": 1e4, "poisson": 0.3, "thickness": 1e-2, "bending": "isometric"},
                       {"young": {"formula": "1e4*(1+a1)"}, "poisson": 0, "thickness": 1e-2}],
     "energy/koiter_orthotropic": [{"young_1": 2e4, "young_2": 1e4, "shear": 4e3, "poisson": 0.3,
                                    "thickness": 1e-2}, {"material": "paper", "thickness": 1e-6}],

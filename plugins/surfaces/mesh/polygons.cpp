@@ -11,7 +11,6 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
-#define TINYOBJLOADER_USE_DOUBLE
 #include <tiny_obj_loader.h>
 
 #include <deform/error.h>
