@@ -259,7 +259,8 @@ bad("plugin_misspelt", {"/energies/0/plugin": "streching"}, "at /energies/0/plug
     'there is no energy plugin "streching"', "stretching")
 bad("plugin_of_another_kind", {"/forces/0/plugin": "pin"}, "at /forces/0/plugin",
     "there is a plugin constraint/pin")
-bad("plugin_unlike_any", {"/surface/plugin": "tetrahedra"}, "at /surface/plugin", 'valid is "grid"')
+bad("plugin_unlike_any", {"/surface/plugin": "tetrahedra"}, "at /surface/plugin",
+    'valid are "grid", "mesh"')
 bad("plugin_name_empty", {"/forces/0/plugin": ""}, "at /forces/0/plugin", "there is no force plugin")
 bad("plugin_name_is_path", {"/solver": {"plugin": "../../lib/evil"}}, "at /solver/plugin",
     "there is no solver plugin")
