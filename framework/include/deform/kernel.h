@@ -43,6 +43,8 @@ DEFORM_API int vector_bytes();
     return name##_by<16> arguments;                                      \
   }
 #else
+// `arguments` come in parentheses of their own. NOLINTBEGIN(bugprone-macro-parentheses)
 #define DEFORM_VECTOR_KERNEL(result, name, parameters, arguments) \
   result name parameters { return name##_by<16> arguments; }
+// NOLINTEND(bugprone-macro-parentheses)
 #endif
