@@ -119,7 +119,7 @@ TEST(Mesh, KnowsNoEnergyAtRest) {
 TEST(Mesh, ForcesAndTangentsAreDerivatives) {
   const MeshFolder folder;
   const std::string file = folder.write("a.obj", test::sphere(2).obj());
-  for (const std::string energy :
+  for (const std::string& energy :
        {std::string(kKoiter), std::string(R"({"plugin": "stretching", "eta": 2})"),
         std::string(R"({"plugin": "bending_variational", "xi": 1e-2})")}) {
     Simulation s = sheet(file, energy);
@@ -219,7 +219,9 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"Nothing", "v 0 0 0\n", "no polygons", false},
         Bad{"TooFew", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "do not determine second derivatives",
             false},
-        Bad{"NotFinite", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "", false}),
+        Bad{"NotFinite", HEXAGON "f 1 7 2\nv 0 0 nan\n", "line 14", false},
+        Bad{"Comma", HEXAGON "f 1 7 2\nv 0,5 0 0\n", "line 14", false},
+        Bad{"NoIndex", HEXAGON "f 1 7 2.5\n", "line 13", false}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST(Mesh, RefusesAMoebiusStrip) {

@@ -107,8 +107,11 @@ Vec2 parameter_of(const Vec3& r, const std::optional<Axes>& axes) {
 std::optional<Axes> axes_of_plane(const Triangles& t) {
   const BestFitPlane plane = best_fit_plane(t.positions);
   if (!(plane.rms_distance <= kFlat * characteristic_length(t.positions))) return std::nullopt;
+  const double side = plane.normal.dot(doubled_area(t.positions, t.all.front()));
+  for (const Triangle& corners : t.all)  // folded over: no coordinates of the plane are its own
+    if (side * plane.normal.dot(doubled_area(t.positions, corners)) < 0) return std::nullopt;
   Axes axes = plane.axes;
-  if (plane.normal.dot(doubled_area(t.positions, t.all.front())) < 0) axes.col(1) *= -1;
+  if (side < 0) axes.col(1) *= -1;
   return axes;
 }
 

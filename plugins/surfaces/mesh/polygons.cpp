@@ -3,15 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
+#include <cmath>
 #include <fstream>
 #include <map>
 #include <numeric>
+#include <sstream>
+#include <string_view>
+#include <tiny_obj_loader.h>
 
 #include <assimp/Importer.hpp>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-
-#include <tiny_obj_loader.h>
 
 #include <deform/error.h>
 
@@ -48,7 +51,40 @@ class Names {
   std::map<std::string, std::int32_t> numbers_;
 };
 
+/// Whether text starts with a number of that type, and has nothing behind it before `stop`.
+template <class Number>
+bool is_number(std::string_view text, Number& value, char stop = '\0') {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() &&
+         (end == text.data() + text.size() || (stop != '\0' && *end == stop));
+}
+
+/// Throws where a line of vertices or polygons is not of numbers: the reader takes them for 0.
+void check_lines(const fs::path& file) {
+  std::ifstream lines(file, std::ios::binary);
+  std::string line, word;
+  for (std::int64_t number = 1; std::getline(lines, line); ++number) {
+    std::istringstream words(line);
+    if (!(words >> word) || (word != "v" && word != "f")) continue;
+    const bool is_vertex = word == "v";
+    int count = 0;
+    bool is_sound = true;
+    while (is_sound && (!is_vertex || count < 3) && words >> word && !word.starts_with('#')) {
+      double x = 0;
+      std::int32_t a = 0;
+      is_sound = is_vertex ? is_number(word, x) && std::isfinite(x) : is_number(word, a, '/');
+      ++count;
+    }
+    if (!is_sound || count < 3)
+      reject(file,
+             "line " + std::to_string(number) + " (\"" + line.substr(0, 60) + "\"): expected " +
+                 (is_vertex ? "v and three finite numbers" : "f and three vertices at least"));
+  }
+}
+
 Polygons read_obj(const fs::path& file) {
+  check_lines(file);
   tinyobj::ObjReaderConfig config;
   config.triangulate = false;
   config.vertex_color = false;
